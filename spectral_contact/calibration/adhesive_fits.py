@@ -40,37 +40,40 @@ from spectral_contact.profiles import Flat, Profile
 from spectral_contact.scene import Scene
 
 _MOST_UNKNOWNS: Final = 20_000
-#: Radii of a piece of the curve: numbers that are tried.
+#: Numbers of radii of a piece of the curve, which are tried in turn.
 _NODES: Final = (16, 24, 36, 54, 80)
-#: Radii are solved this far beyond the range of those that are wanted, in places (`RadiusScale`).
-_SPARE: Final = 0.3
-#: Least distance of a radius from the flat part of a profile, over the flat part; and least radius,
-#: over the largest one, where the contact shrinks to a point without a fold.
+#: Radii are solved up to this distance beyond the range that is wanted, in the coordinate of
+#: `RadiusScale`.
+_MARGIN: Final = 0.3
+#: Least distance of a radius from the flat part of a profile, over the flat part.
 _NEXT_TO_FLAT: Final = 1e-9
-_SMALLEST: Final = 1e-4
+#: Least radius over the largest one, where the contact shrinks to a point without a fold.
+_LEAST_RADIUS: Final = 1e-4
 #: Relative change of the layer for the differences, whose error is of the order of its square.
-_CHANGE: Final = 1e-3
-#: Approach and pull are subtracted. Their difference, or its rate, is rounding below this share of
-#: their sum.
-_ROUNDED: Final = 1e-9
-#: Places at which a branch is sampled, and steps of Newton's method from there.
+_LAYER_CHANGE: Final = 1e-3
+#: The pull of adhesion is subtracted from the approach. A difference below this fraction of their
+#: sum is rounding, as is such a rate of the difference.
+_ROUNDING_FRACTION: Final = 1e-9
+#: Number of places at which a branch is sampled.
 _SAMPLES: Final = 400
-_STEPS: Final = 40
+#: Largest number of steps of Newton's method from there.
+_MOST_STEPS: Final = 40
 #: Slope of the load beyond pull-off, over the stiffness at a fixed radius: data do not follow it,
 #: so that the search comes back.
 _STEEP: Final = 10.0
-#: How often the start is improved.
+#: Number of times that the start is improved.
 _ROUNDS: Final = 3
-#: Loads that are noise, in standard deviations.
-_QUIET: Final = 3.0
-#: A drop of the load from one row to a shallower one that is pull-off, in standard deviations.
-_DROP: Final = 6.0
+#: Loads of at most this many standard deviations are noise.
+_NOISE_DEVIATIONS: Final = 3.0
+#: A drop of the load from one row to a shallower one is pull-off if it is more than this many
+#: standard deviations.
+_DROP_DEVIATIONS: Final = 6.0
 #: Without a baseline, a drop of the load is taken for pull-off if more rows than this come before
 #: it. Fewer may be the steep end of a branch.
-_FEWEST: Final = 2
+_FEWEST_ROWS_BEFORE: Final = 2
 
 
-class _AtRadii(NamedTuple):
+class _FunctionValues(NamedTuple):
     """Functions of the radius at places, without adhesion; rates are by the place.
 
     Attributes
@@ -109,8 +112,10 @@ class _ContactFunctions:
     """
 
     def __init__(self, curve: AdhesiveCurve, low: float, high: float, rtol: float) -> None:
-        self.low, self.high = low, high
-        self._curve, self._rtol = curve, rtol
+        self.low = low
+        self.high = high
+        self._curve = curve
+        self._rtol = rtol
         self._scale = RadiusScale(curve.profile)
         first, last = map(self._scale.radius, (low, high))
         inside = [b for b in curve.profile.breaks if first < b < last]
@@ -125,31 +130,32 @@ class _ContactFunctions:
             root = math.sqrt(self._curve.adhesion)
             rows = []
             error = 0.0
-            for one in self._curve.states(radii):
-                load, approach = one.load + one.stiffness * one.pull, one.approach + one.pull
-                rows.append([load, approach, one.stiffness, one.pull / root])
-                error = max(error, one.load_error, one.approach_error, one.stiffness_error)
+            for state in self._curve.states(radii):
+                load = state.load + state.stiffness * state.pull
+                approach = state.approach + state.pull
+                rows.append([load, approach, state.stiffness, state.pull / root])
+                error = max(error, state.load_error, state.approach_error, state.stiffness_error)
             terms = np.linalg.solve(chebyshev.chebvander(nodes, count - 1), np.log(rows))
             if np.abs(terms[-3:]).max() <= max(self._rtol, 4.0 * error):
                 return np.asarray(terms)
-        told = f"loads of {self._curve.profile.brief} do not settle with {count} radii"
-        raise ConvergenceError(told, "loosen rtol.")
+        cause = f"loads of {self._curve.profile.brief} do not settle with {count} radii"
+        raise ConvergenceError(cause, "loosen rtol.")
 
-    def at(self, places: Array) -> _AtRadii:
+    def at(self, places: Array) -> _FunctionValues:
         """Return the functions at places."""
         values, rates = np.empty((2, len(places), 4))
         piece = np.searchsorted(self._piece_ends[1:-1], places)
         for k, (low, high) in enumerate(pairwise(self._piece_ends)):
-            here = piece == k
-            t = (2.0 * places[here] - low - high) / (high - low)
-            values[here] = chebyshev.chebval(t, self._terms[k]).T
+            on_piece = piece == k
+            t = (2.0 * places[on_piece] - low - high) / (high - low)
+            values[on_piece] = chebyshev.chebval(t, self._terms[k]).T
             slopes = chebyshev.chebval(t, chebyshev.chebder(self._terms[k])).T
-            rates[here] = slopes * (2.0 / (high - low))
+            rates[on_piece] = slopes * (2.0 / (high - low))
         load, approach, stiffness, pull = np.exp(values).T
         radii = np.array(list(map(self._scale.radius, places.tolist())))
         steps = np.array(list(map(self._scale.derivative, radii.tolist())))
-        moved = (approach * rates[:, 1], pull * rates[:, 3])
-        return _AtRadii(radii, steps, load, approach, stiffness, pull, *moved)
+        scaled_rates = (approach * rates[:, 1], pull * rates[:, 3])
+        return _FunctionValues(radii, steps, load, approach, stiffness, pull, *scaled_rates)
 
 
 class AdhesiveLoads(NamedTuple):
@@ -183,7 +189,8 @@ class BranchLoads:
     """
 
     def __init__(self, profile: Profile, rtol: float) -> None:
-        self.profile, self.rtol = profile, rtol
+        self.profile = profile
+        self.rtol = rtol
         self._scale = RadiusScale(profile)
         self._known: dict[float, _ContactFunctions] = {}
 
@@ -208,30 +215,30 @@ class BranchLoads:
         root = math.sqrt(adhesion)
         functions = self._functions(curve, low, high)
         places = _places(functions, root, approaches, low, high)
-        one = functions.at(places)
-        pull = root * one.pull
-        resolved = _ROUNDED * (one.approach + pull)
+        contact = functions.at(places)
+        pull = root * contact.pull
+        rounding = _ROUNDING_FRACTION * (contact.approach + pull)
         # it is 0 at a fold, where the derivatives have no bound
-        rate = np.maximum(one.approach_rate - root * one.pull_rate, resolved)
-        softening = 4.0 * math.pi * adhesion * one.radius * one.radius_rate / pull  # d S'
-        beyond = approaches < one.approach - pull - resolved
-        slope = one.stiffness - softening / rate
-        by_adhesion = -2.0 * math.pi * adhesion * one.radius * one.radius_rate / rate
+        rate = np.maximum(contact.approach_rate - root * contact.pull_rate, rounding)
+        softening = 4.0 * math.pi * adhesion * contact.radius * contact.radius_rate / pull  # d S'
+        beyond = approaches < contact.approach - pull - rounding
+        slope = contact.stiffness - softening / rate
+        by_adhesion = -2.0 * math.pi * adhesion * contact.radius * contact.radius_rate / rate
         by_layer = np.zeros(len(approaches))
         if layer > 0.0:
             by_layer = self._by_layer(curve, (low, high), places, slope)
-        steep = _STEEP * one.stiffness
-        load = one.load - one.stiffness * pull
+        steep = _STEEP * contact.stiffness
+        load = contact.load - contact.stiffness * pull
         # Beyond pull-off the load goes on along a straight line. The load at which the contact
         # comes off is about proportional to the adhesion, and the approach there to its power 2/3:
         # from that follows how the line moves with the logarithm of the adhesion.
-        off = load + steep * (approaches - one.approach + pull)
-        coming_off = load + 2.0 / 3.0 * steep * (pull - one.approach)
+        load_beyond = load + steep * (approaches - contact.approach + pull)
+        rate_beyond = load + 2.0 / 3.0 * steep * (pull - contact.approach)
         return AdhesiveLoads(
-            np.where(beyond, off, load),
+            np.where(beyond, load_beyond, load),
             np.where(beyond, steep, slope),
             np.where(beyond, 0.0, by_layer),
-            np.where(beyond, coming_off, by_adhesion),
+            np.where(beyond, rate_beyond, by_adhesion),
             beyond,
         )
 
@@ -249,7 +256,7 @@ class BranchLoads:
             low, _ = curve.bracket(BY_APPROACH, float(approaches.min()), 0)
         except NoState:
             fold = next(curve.folds(BY_APPROACH), None)
-            low = _SMALLEST * high if fold is None else fold.radius
+            low = _LEAST_RADIUS * high if fold is None else fold.radius
         low = max(low, self.profile.flat_part * (1.0 + _NEXT_TO_FLAT))
         return self._scale.place(low), self._scale.place(high)
 
@@ -260,7 +267,7 @@ class BranchLoads:
         if known is None or low < known.low or high > known.high:
             if len(self._known) > 2:
                 self._known.clear()
-            known = _ContactFunctions(curve, low - _SPARE, high + _SPARE, self.rtol)
+            known = _ContactFunctions(curve, low - _MARGIN, high + _MARGIN, self.rtol)
             self._known[layer] = known
         return known
 
@@ -271,11 +278,15 @@ class BranchLoads:
         root = math.sqrt(curve.adhesion)
         load, approach = np.zeros((2, len(places)))
         for sign in (-1.0, 1.0):
-            layer = curve.compliance * math.exp(sign * _CHANGE)
+            layer = curve.compliance * math.exp(sign * _LAYER_CHANGE)
             changed = self.curve(layer, curve.adhesion)
-            one = _ContactFunctions(changed, *ends, self.rtol).at(places)
-            approach += sign * (one.approach - root * one.pull) / (2.0 * _CHANGE)
-            load += sign * (one.load - root * one.stiffness * one.pull) / (2.0 * _CHANGE)
+            contact = _ContactFunctions(changed, *ends, self.rtol).at(places)
+            approach += sign * (contact.approach - root * contact.pull) / (2.0 * _LAYER_CHANGE)
+            load += (
+                sign
+                * (contact.load - root * contact.stiffness * contact.pull)
+                / (2.0 * _LAYER_CHANGE)
+            )
         return np.asarray(load - slope * approach)
 
 
@@ -284,26 +295,29 @@ def _places(
 ) -> Array:
     """Return the places of approaches; the first one of those that the branch does not have."""
     samples = np.linspace(low, high, _SAMPLES)
-    one = functions.at(samples)
-    known = one.approach - root * one.pull
-    k = np.clip(np.searchsorted(known, approaches), 1, _SAMPLES - 1)
-    lower, upper = samples[k - 1].copy(), samples[k].copy()
-    share = (approaches - known[k - 1]) / (known[k] - known[k - 1])
-    places = lower + np.clip(share, 0.0, 1.0) * (upper - lower)
-    for _ in range(_STEPS):
-        one = functions.at(places)
-        off = one.approach - root * one.pull - approaches
-        upper = np.where(off > 0.0, places, upper)
-        lower = np.where(off > 0.0, lower, places)
+    contact = functions.at(samples)
+    known_approaches = contact.approach - root * contact.pull
+    k = np.clip(np.searchsorted(known_approaches, approaches), 1, _SAMPLES - 1)
+    lower = samples[k - 1].copy()
+    upper = samples[k].copy()
+    fraction = (approaches - known_approaches[k - 1]) / (
+        known_approaches[k] - known_approaches[k - 1]
+    )
+    places = lower + np.clip(fraction, 0.0, 1.0) * (upper - lower)
+    for _ in range(_MOST_STEPS):
+        contact = functions.at(places)
+        excess = contact.approach - root * contact.pull - approaches
+        upper = np.where(excess > 0.0, places, upper)
+        lower = np.where(excess > 0.0, lower, places)
         with np.errstate(divide="ignore", invalid="ignore"):
-            step = places - off / (one.approach_rate - root * one.pull_rate)
+            step = places - excess / (contact.approach_rate - root * contact.pull_rate)
         inside = (step >= lower) & (step <= upper)
-        moved = np.where(inside, step, (lower + upper) / 2.0)
-        still = np.abs(moved - places).max() < 1e-13 * (1.0 + abs(low) + abs(high))
-        places = moved
-        if still:
+        next_places = np.where(inside, step, (lower + upper) / 2.0)
+        settled = np.abs(next_places - places).max() < 1e-13 * (1.0 + abs(low) + abs(high))
+        places = next_places
+        if settled:
             break
-    return np.where(approaches <= known[0], low, places)
+    return np.where(approaches <= known_approaches[0], low, places)
 
 
 class AdhesiveProblem(CurveProblem):
@@ -324,11 +338,11 @@ class AdhesiveProblem(CurveProblem):
     ) -> None:
         super().__init__(scene, data, free, rtol)
         if isinstance(self.profile, Flat):
-            told = "not flat: the load of a flat punch is a straight line, whatever the adhesion"
-            raise SceneError("profile", self.profile, told)
+            allowed = "not flat: the load of a flat punch is a straight line, whatever the adhesion"
+            raise SceneError("profile", self.profile, allowed)
         if scene.branch:
-            told = "0: curves are fitted on the branch of large contacts"
-            raise SceneError("branch", scene.branch, told)
+            allowed = "0: curves are fitted on the branch of large contacts"
+            raise SceneError("branch", scene.branch, allowed)
         self.touching = self.depth >= self._first_depth()
         self.beyond = np.zeros(len(self.depth), dtype=bool)
 
@@ -339,11 +353,11 @@ class AdhesiveProblem(CurveProblem):
         pull the fit toward it.
         """
         self.residuals(y)
-        quiet = np.abs(self._above()) <= _QUIET * self.sigma
-        off = self.touching & self.beyond & quiet
-        if not off.any() or int(self.touching.sum() - off.sum()) <= len(self.free):
+        quiet = np.abs(self._loads_above_baseline()) <= _NOISE_DEVIATIONS * self.sigma
+        revised = self.touching & self.beyond & quiet
+        if not revised.any() or int(self.touching.sum() - revised.sum()) <= len(self.free):
             return False
-        self.touching = self.touching & ~off
+        self.touching = self.touching & ~revised
         self.take_tolerance(self.rtol)
         return True
 
@@ -364,7 +378,7 @@ class AdhesiveProblem(CurveProblem):
         self.branch = BranchLoads(self.profile, rtol)
 
     @staticmethod
-    def _of_layer(scene: Scene) -> dict[str, float]:
+    def _layer_values(scene: Scene) -> dict[str, float]:
         data = scene.physical
         assert data is not None
         assert data.work_of_adhesion is not None
@@ -380,12 +394,12 @@ class AdhesiveProblem(CurveProblem):
         differ by less than half of it.
         """
         order = np.argsort(self.depth, kind="stable")
-        depth, load, sigma = (some[order] for some in (self.depth, self.load, self.sigma))
+        depth, load, sigma = (column[order] for column in (self.depth, self.load, self.sigma))
         drops = load[:-1] - load[1:]
         k = int(np.argmax(drops)) if len(drops) else 0
-        jumps = len(drops) > 0 and drops[k] > _DROP * math.hypot(sigma[k], sigma[k + 1])
+        jumps = len(drops) > 0 and drops[k] > _DROP_DEVIATIONS * math.hypot(sigma[k], sigma[k + 1])
         if self.line is None:
-            jumps = jumps and k >= _FEWEST and np.ptp(load[: k + 1]) < drops[k] / 2.0
+            jumps = jumps and k >= _FEWEST_ROWS_BEFORE and np.ptp(load[: k + 1]) < drops[k] / 2.0
         if jumps:
             return float(depth[k + 1])
         return float(depth[0]) if self.line is None else self.line.end
@@ -398,7 +412,7 @@ class AdhesiveProblem(CurveProblem):
         values = self.values(self.start)
         given = values["work_of_adhesion"]
         start = self.start[self.free.index("work_of_adhesion")]
-        measured = -float(self._above()[self.touching].min())
+        measured = -float(self._loads_above_baseline()[self.touching].min())
 
         def tension(adhesion: float) -> float:
             lengths = self._lengths(values | {"work_of_adhesion": adhesion})
@@ -428,14 +442,14 @@ class AdhesiveProblem(CurveProblem):
         curve = self.branch.curve(*self._lengths(self.values(self.start)))
         first = float(self.depth[self.touching].min())
         try:
-            found, _ = curve.find(BY_LOAD, 0.0, 0, pointwise=False)
+            unloaded_state, _ = curve.find(BY_LOAD, 0.0, 0, pointwise=False)
             fold = next(curve.folds(BY_LOAD), None)
         except NoState:
             return first
-        pulled = self.touching & (self._above() <= 0.0)
+        pulled = self.touching & (self._loads_above_baseline() <= 0.0)
         unloaded = float(self.depth[pulled].max()) if pulled.any() else first
-        last = value_of(found).approach if fold is None else fold.state.approach
-        return min(unloaded - value_of(found).approach, first - last)
+        last = value_of(unloaded_state).approach if fold is None else fold.state.approach
+        return min(unloaded - value_of(unloaded_state).approach, first - last)
 
     @staticmethod
     def _lengths(values: dict[str, float]) -> tuple[float, float]:
@@ -446,20 +460,20 @@ class AdhesiveProblem(CurveProblem):
     def curve(self, values: dict[str, float], approach: Array) -> tuple[Array, Any]:
         """Return the loads of all approaches, and their derivatives by name."""
         quarter = values["reduced_modulus"] / 4.0
-        found = self.branch.loads(approach[self.touching], *self._lengths(values))
+        loads = self.branch.loads(approach[self.touching], *self._lengths(values))
         self.beyond = np.zeros(len(approach), dtype=bool)
-        self.beyond[self.touching] = found.beyond
+        self.beyond[self.touching] = loads.beyond
 
-        def spread(some: Array) -> Array:
-            whole = np.zeros(len(approach))
-            whole[self.touching] = quarter * some
-            return whole
+        def spread(column: Array) -> Array:
+            all_rows = np.zeros(len(approach))
+            all_rows[self.touching] = quarter * column
+            return all_rows
 
-        return spread(found.value), {
-            "reduced_modulus": spread(found.value + found.by_layer - found.by_adhesion),
-            "normal_compliance": spread(found.by_layer),
-            "work_of_adhesion": spread(found.by_adhesion),
-            "zero_point": -spread(found.by_approach),
+        return spread(loads.value), {
+            "reduced_modulus": spread(loads.value + loads.by_layer - loads.by_adhesion),
+            "normal_compliance": spread(loads.by_layer),
+            "work_of_adhesion": spread(loads.by_adhesion),
+            "zero_point": -spread(loads.by_approach),
         }
 
     def best(self, values: dict[str, float]) -> dict[str, Any]:
@@ -472,21 +486,25 @@ class AdhesiveProblem(CurveProblem):
         These rows have the load of a line that no contact follows, at which a search may end far
         from the best parameters.
         """
-        found = super().outcome(y, at_bounds)
+        fit = super().outcome(y, at_bounds)
         if not self.beyond.any():
-            return found
+            return fit
         size = len(self.free)
         unknown = (math.nan,) * size
-        return replace(found, errors=unknown, covariance=(unknown,) * size)
+        return replace(fit, errors=unknown, covariance=(unknown,) * size)
 
-    def _doubts(self, residuals: Array) -> list[str]:
+    def _remarks_on_fit(self, residuals: Array) -> list[str]:
         """Return what speaks against the fit, and which rows are in contact."""
-        found = super()._doubts(residuals)
+        remarks = super()._remarks_on_fit(residuals)
         rows = int(self.touching.sum())
         first = float(self.depth[self.touching].min())
-        told = f"{rows} of {len(self.depth)} rows are in contact, from a depth of {first:.6g} m on"
-        lost = int(self.beyond.sum())
-        if lost:
-            told += f"; at {lost} of them the fitted contact has come off: the deviations of the "
-            told += "parameters are not known"
-        return [told, *found]
+        remark = (
+            f"{rows} of {len(self.depth)} rows are in contact, from a depth of {first:.6g} m on"
+        )
+        beyond_count = int(self.beyond.sum())
+        if beyond_count:
+            remark += (
+                f"; at {beyond_count} of them the fitted contact has come off: the deviations of "
+                "the parameters are not known"
+            )
+        return [remark, *remarks]

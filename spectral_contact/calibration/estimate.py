@@ -156,10 +156,10 @@ class _FitProblem:
         self._check()
 
     def _check(self) -> None:
-        moving = frozenset[str]().union(*(one.depends_on for one in self.data))
+        data_parameters = frozenset[str]().union(*(dataset.depends_on for dataset in self.data))
         for name in self.free:
-            if name not in moving:
-                allowed = f"among {', '.join(sorted(moving))}, on which the data depend"
+            if name not in data_parameters:
+                allowed = f"among {', '.join(sorted(data_parameters))}, on which the data depend"
                 raise SceneError("free", name, allowed)
             value = self.start[name]
             if value is None or not 0.0 < value < math.inf:
@@ -171,12 +171,14 @@ class _FitProblem:
             raise SceneError("free", self.free, count)
 
     def outcome(self, max_evaluations: int, tell: ProgressLine) -> RoughnessFit:
-        how = {"jac": self.jacobian, "bounds": self._bounds(), "x_scale": 1.0}
-        ends = {"ftol": 1e-10, "xtol": 1e-9, "gtol": 1e-10}
+        options = {"jac": self.jacobian, "bounds": self._bounds(), "x_scale": 1.0}
+        tolerances = {"ftol": 1e-10, "xtol": 1e-9, "gtol": 1e-10}
         start = np.zeros(len(self.free))
-        found = least_squares_fit(self.residuals, start, max_evaluations, tell, **how, **ends)
-        covariance = self._covariance(self.jacobian(found.x), found.x, found.active_mask)
-        layer = self.layer(found.x)
+        result = least_squares_fit(
+            self.residuals, start, max_evaluations, tell, **options, **tolerances
+        )
+        covariance = self._covariance(self.jacobian(result.x), result.x, result.active_mask)
+        layer = self.layer(result.x)
         errors = np.sqrt(np.diag(covariance))
         sets = np.cumsum([len(one.measured) for one in self.data])[:-1]
         return RoughnessFit(
@@ -186,17 +188,17 @@ class _FitProblem:
                 for name, error in zip(self.free, errors, strict=True)
             ),
             tuple(tuple(row) for row in covariance.tolist()),
-            tuple(tuple(part.tolist()) for part in np.split(found.fun, sets)),
-            int(found.nfev),
+            tuple(tuple(part.tolist()) for part in np.split(result.fun, sets)),
+            int(result.nfev),
         )
 
     def layer(self, x: Array) -> dict[str, float | None]:
         """Return the parameters at the logarithms of the free ones over their start."""
-        moved = {
-            name: float(self.start[name] or 0.0) * math.exp(one)
-            for name, one in zip(self.free, x.tolist(), strict=True)
+        fitted = {
+            name: float(self.start[name] or 0.0) * math.exp(x_of_name)
+            for name, x_of_name in zip(self.free, x.tolist(), strict=True)
         }
-        return {**self.start, **moved}
+        return {**self.start, **fitted}
 
     def residuals(self, x: Array) -> Array:
         layer = self.layer(x)
@@ -242,17 +244,21 @@ class _FitProblem:
         tell parameters apart, and not that they determine one inaccurately.
         """
         lengths = np.linalg.norm(jacobian, axis=0)
-        flat = (lengths < 1.0 / _LARGEST_ERROR) | (active != 0)
-        if flat.any():
-            still = [name for name, one in zip(self.free, flat, strict=True) if one]
-            self._refuse(still, "hardly change with", x)
+        flat_columns = (lengths < 1.0 / _LARGEST_ERROR) | (active != 0)
+        if flat_columns.any():
+            without_effect = [
+                name for name, chosen in zip(self.free, flat_columns, strict=True) if chosen
+            ]
+            self._refuse(without_effect, "hardly change with", x)
         _, singular, right = np.linalg.svd(jacobian / lengths, full_matrices=False)
         noise = 4.0 * SLOPE_ERROR
         root = right.T / singular / lengths[:, None] if singular[-1] > noise else None
         if root is None or (np.linalg.norm(root, axis=1) > _LARGEST_ERROR).any():
-            mixed = np.abs(right[-1]) > 0.1
-            alike = [name for name, one in zip(self.free, mixed, strict=True) if one]
-            self._refuse(alike, "cannot distinguish", x)
+            involved = np.abs(right[-1]) > 0.1
+            not_distinguished = [
+                name for name, chosen in zip(self.free, involved, strict=True) if chosen
+            ]
+            self._refuse(not_distinguished, "cannot distinguish", x)
         assert root is not None
         return np.asarray(root @ root.T)
 
@@ -313,8 +319,8 @@ class LawComparison:
     def weights(self) -> tuple[float, ...]:
         """How likely each is to be the best of them, by Akaike's weights; their sum is 1."""
         least = min(self.criterion)
-        shares = [math.exp(-0.5 * (one - least)) for one in self.criterion]
-        return tuple(one / math.fsum(shares) for one in shares)
+        likelihoods = [math.exp(-0.5 * (value - least)) for value in self.criterion]
+        return tuple(value / math.fsum(likelihoods) for value in likelihoods)
 
     @property
     def best(self) -> str:
@@ -376,31 +382,38 @@ def compare_laws(
     ConvergenceError
         If a solve does not meet `rtol`, or `max_evaluations` are not enough.
     """
-    told = "a mapping of two names or more to a scene and its free parameters each"
+    allowed = "a mapping of two names or more to a scene and its free parameters each"
     if not isinstance(candidates, Mapping) or len(candidates) < 2:
-        raise SceneError("candidates", candidates, told)
+        raise SceneError("candidates", candidates, allowed)
     instance("data", data, IndentationData)
     ProgressLine(progress)  # refuses what it cannot be
-    how: dict[str, Any] = {"rtol": rtol, "max_evaluations": max_evaluations, "progress": progress}
+    options: dict[str, Any] = {
+        "rtol": rtol,
+        "max_evaluations": max_evaluations,
+        "progress": progress,
+    }
     fits = []
-    for name, given in candidates.items():
-        if not (isinstance(name, str) and isinstance(given, tuple) and len(given) == 2):
-            raise SceneError("candidates", candidates, told)
-        scene, free = given
+    for name, scene_and_free in candidates.items():
+        if not (
+            isinstance(name, str) and isinstance(scene_and_free, tuple) and len(scene_and_free) == 2
+        ):
+            raise SceneError("candidates", candidates, allowed)
+        scene, free = scene_and_free
         count = 1 if isinstance(free, str) else len(free) if isinstance(free, Sequence) else 0
         if len(data.load) < count + 2:
-            told = f"of at least {count + 2} loads, for {count} free parameters of {name}"
-            raise SceneError("data", data, told)
+            allowed = f"of at least {count + 2} loads, for {count} free parameters of {name}"
+            raise SceneError("data", data, allowed)
         try:
-            fits.append(fit(scene, data, free, **how))
+            fits.append(fit(scene, data, free, **options))
         except SceneError as error:  # says of which candidate
-            if error.parameter in how:
+            if error.parameter in options:
                 raise
-            told = f"{error.allowed} (the candidate {name!r})"
-            raise SceneError(error.parameter, error.value, told) from error
+            allowed = f"{error.allowed} (the candidate {name!r})"
+            raise SceneError(error.parameter, error.value, allowed) from error
     return LawComparison(tuple(candidates), tuple(fits))
 
 
-def _corrected(one: IndentationFit) -> float:
-    k, left = len(one.names), one.degrees_of_freedom - 1
-    return one.chi_square + 2.0 * k + 2.0 * k * (k + 1) / left
+def _corrected(fit: IndentationFit) -> float:
+    k = len(fit.names)
+    denominator = fit.degrees_of_freedom - 1
+    return fit.chi_square + 2.0 * k + 2.0 * k * (k + 1) / denominator

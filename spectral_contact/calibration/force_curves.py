@@ -70,7 +70,8 @@ def baseline(depth: Array, load: Array) -> Baseline | None:
     The line begins with the shallowest points and goes on as long as further points lie on it.
     """
     order = np.argsort(depth, kind="stable")
-    x, y = depth[order], load[order]
+    x = depth[order]
+    y = load[order]
     block = max(_FEWEST, round(_FIRST * len(x)))
     if len(x) < 2 * _FEWEST or np.ptp(x[:block]) == 0.0:
         return None
@@ -129,13 +130,12 @@ def signs(depth: Array, load: Array) -> tuple[float, float]:
 
     A curve is steeper in contact than before it, and steeper the deeper it is.
     """
-    low, high = depth.min(), depth.max()
+    low = depth.min()
+    high = depth.max()
     if low == high:
         return 1.0, 1.0
-    shallow, deep = (
-        _slope(depth, load, depth <= low + _END * (high - low)),
-        _slope(depth, load, depth >= high - _END * (high - low)),
-    )
+    shallow = _slope(depth, load, depth <= low + _END * (high - low))
+    deep = _slope(depth, load, depth >= high - _END * (high - low))
     if abs(shallow) > _STEEPER * abs(deep):
         return -1.0, -1.0 if shallow > 0.0 else 1.0
     if deep >= 0.0:
@@ -149,7 +149,8 @@ def _slope(depth: Array, load: Array, chosen: NDArray[np.bool_]) -> float:
     """Return the slope of a line through the chosen points, of all of them if these are too few."""
     if np.ptp(depth[chosen]) == 0.0:
         chosen = np.ones(len(depth), dtype=bool)
-    x, y = depth[chosen] - depth[chosen].mean(), load[chosen]
+    x = depth[chosen] - depth[chosen].mean()
+    y = load[chosen]
     return float(x @ y / (x @ x))
 
 

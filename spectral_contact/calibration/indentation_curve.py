@@ -38,9 +38,10 @@ from spectral_contact.scene import Scene
 #: Of the instrument: the depth at which the punch touches [m], the load that is measured there
 #: without contact [N], and by how much it grows with depth [N/m].
 OF_INSTRUMENT: Final = ("zero_point", "load_offset", "tilt")
-#: What can be fitted through a linear layer: E* [Pa], alpha [m/Pa], and what is the instrument's.
+#: Parameters that can be fitted through a linear layer: E* [Pa], alpha [m/Pa], and those of the
+#: instrument.
 INDENTATION_PARAMETERS: Final = ("reduced_modulus", "normal_compliance", *OF_INSTRUMENT)
-#: Units of all that can be fitted, the numbers of a layer's law included.
+#: Units of all parameters that can be fitted, those of a layer's law included.
 _UNITS: Final = {
     **dict(zip(INDENTATION_PARAMETERS, ("Pa", "m/Pa", "m", "N", "N/m"), strict=True)),
     "work_of_adhesion": "J/m²",
@@ -52,27 +53,30 @@ _UNITS: Final = {
 }
 _MOST_UNKNOWNS: Final = 20_000
 #: Tolerance of a curve that a fit starts from.
-_ROUGH: Final = 1e-4
-#: Singular values of the scaled derivatives below which data do not tell parameters apart.
-_APART: Final = 1e-7
+_START_TOLERANCE: Final = 1e-4
+#: If a singular value of the scaled derivatives is below this, the data do not distinguish the
+#: parameters.
+_LEAST_SINGULAR_VALUE: Final = 1e-7
 #: Standard deviations of a logarithm beyond which a parameter is not determined.
 _LARGEST_ERROR: Final = 10.0
 
 
-#: Loads of more standard deviations than this are no noise; and how far above the first row with
-#: such a load the first touch is at least, as a fraction of the range of all depths.
-_NOISE: Final = 3.0
-_ABOVE: Final = 0.01
-#: Largest approach of a first guess over that at which the contact is at the end of the profile.
+#: Loads of more standard deviations than this are no noise.
+_NOISE_DEVIATIONS: Final = 3.0
+#: The first touch is above the first row with such a load, by at least this fraction of the range
+#: of all depths.
+_TOUCH_MARGIN: Final = 0.01
+#: Largest approach of a first guess over that at which the contact reaches the end of the profile.
 _SHORT_OF_END: Final = 0.999
 #: Load of the second row of a first guess over that of the deepest one.
 _SECOND_LOAD: Final = 0.25
-#: The fitted curve is not what was measured if chi square over its degrees of freedom is beyond
-#: this, and the probability that chance makes it as large or larger is below this.
-_MISFIT: Final = 2.0
-_CHANCE: Final = 1e-6
-#: Standard deviations of its mean that a baseline without load may lie off zero.
-_OFFSET: Final = 5.0
+#: A remark says that the fitted curve is not the measured one if chi square over its degrees of
+#: freedom is above this, and the probability of the next constant is small, too.
+_LARGEST_REDUCED_CHI_SQUARE: Final = 2.0
+#: Probability, below which chance does not explain that chi square is as large or larger.
+_LEAST_CHANCE: Final = 1e-6
+#: A baseline without load may differ from zero by this many standard deviations of its mean.
+_BASELINE_DEVIATIONS: Final = 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,10 +103,10 @@ class IndentationFit:
     residuals : tuple of float
         Theory minus measurement over standard deviation.
     evaluations : int
-        How often the curve was predicted.
+        Number of predictions of the curve.
     data : IndentationData
     remarks : tuple of str
-        Those on the data, and what speaks against the fit.
+        Remarks on the data, and reasons to doubt the fit.
     """
 
     scene: Scene
@@ -127,13 +131,13 @@ class IndentationFit:
     @property
     def loads(self) -> tuple[float, ...]:
         """The fitted loads at the depths of the data [N]."""
-        each = zip(self.data.load, self.residuals, self.data.sigma, strict=True)
-        return tuple(load + off * sigma for load, off, sigma in each)
+        rows = zip(self.data.load, self.residuals, self.data.sigma, strict=True)
+        return tuple(load + residual * sigma for load, residual, sigma in rows)
 
     @property
     def chi_square(self) -> float:
         """Sum of the squares of the residuals."""
-        return math.fsum(one * one for one in self.residuals)
+        return math.fsum(residual * residual for residual in self.residuals)
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -160,16 +164,16 @@ class IndentationFit:
         lines = [f"{'parameter':<20} {'value':>12}  standard deviation"]
         for name, value, error in zip(self.names, self.values, self.errors, strict=True):
             lines.append(f"{name:<20} {value:12.5g}  {error:.2g} {_UNITS[name]}".rstrip())
-        freedom = self.degrees_of_freedom
-        lines.append(f"chi square {self.chi_square:.4g} at {freedom} degrees of freedom")
-        least, largest = min(self.residuals), max(self.residuals)
-        lines.append(f"residuals from {least:.2f} to {largest:.2f} standard deviations")
+        freedom = f"{self.degrees_of_freedom} degrees of freedom"
+        lines.append(f"chi square {self.chi_square:.4g} at {freedom}")
+        extremes = f"{min(self.residuals):.2f} to {max(self.residuals):.2f}"
+        lines.append(f"residuals from {extremes} standard deviations")
         lines += self.remarks
         physical = self.scene.physical
         if physical is not None and physical.youngs_modulus is not None:
             at = f"at a Poisson's ratio of {self.scene.poisson_ratio:g}"
-            known = f"{physical.youngs_modulus:.5g} Pa, {self._modulus_text}{at}"
-            lines.append(f"Young's modulus {known}")
+            modulus = f"{physical.youngs_modulus:.5g} Pa"
+            lines.append(f"Young's modulus {modulus}, {self._modulus_text}{at}")
         return "\n".join(lines)
 
     @property
@@ -177,7 +181,8 @@ class IndentationFit:
         """The standard deviation of Young's modulus, that of E* but for the share of the punch."""
         if "reduced_modulus" not in self.names:
             return ""
-        physical, nu = self.scene.physical, self.scene.poisson_ratio
+        physical = self.scene.physical
+        nu = self.scene.poisson_ratio
         assert physical is not None
         relative = self.error("reduced_modulus") / self["reduced_modulus"]
         # of an elastic punch E* = E'1 E'2/(E'1 + E'2), of which E'2 is known
@@ -192,39 +197,49 @@ def first_modulus(profile: Profile, data: IndentationData) -> float:
     """
     depth, load, sigma = map(np.array, (data.depth, data.load, data.sigma))
     line = baseline(depth, load)
-    above = load - (0.0 if line is None else line.at(depth))
+    loads_above = load - (0.0 if line is None else line.at(depth))
     deepest = int(np.argmax(depth))
-    approach = float(depth[deepest]) - _first_touch(profile, depth, above, sigma)
-    if not (approach > 0.0 and above[deepest] > 0.0):
-        raise SceneError("load", float(above[deepest]), "above 0 at the largest depth")
-    return 4.0 * float(above[deepest]) / curve_load(profile, approach, 0.0, _ROUGH).value
+    approach = float(depth[deepest]) - _first_touch(profile, depth, loads_above, sigma)
+    if not (approach > 0.0 and loads_above[deepest] > 0.0):
+        raise SceneError("load", float(loads_above[deepest]), "above 0 at the largest depth")
+    return (
+        4.0
+        * float(loads_above[deepest])
+        / curve_load(profile, approach, 0.0, _START_TOLERANCE).value
+    )
 
 
 def _first_touch(profile: Profile, depth: Array, load: Array, sigma: Array) -> float:
-    """Return about the depth of first touch [m].
+    """Return a guess of the depth of first touch [m].
 
     It is that of a smooth contact with the loads of two rows, the deepest one and one of a quarter
-    of its load. If the first load that is no noise is at a smaller depth, it is a little above that
-    one, so that every load counts.
+    of its load. If the first load that is no noise is at a smaller depth, the guess is a little
+    above that depth, so that every load counts.
     """
     from scipy.optimize import brentq  # takes long to import
 
-    touch = touch_depth(depth, load, _NOISE * sigma) - _ABOVE * float(np.ptp(depth))
+    touch = touch_depth(depth, load, _NOISE_DEVIATIONS * sigma) - _TOUCH_MARGIN * float(
+        np.ptp(depth)
+    )
     order = np.argsort(depth, kind="stable")
-    deep, most = float(depth[order[-1]]), float(load[order[-1]])
-    row = order[np.argmax(load[order] >= _SECOND_LOAD * most)]
-    middle, measured = float(depth[row]), float(load[row])
-    if not (touch < middle < deep and 0.0 < measured < most):
+    deep = float(depth[order[-1]])
+    largest_load = float(load[order[-1]])
+    row = order[np.argmax(load[order] >= _SECOND_LOAD * largest_load)]
+    middle = float(depth[row])
+    middle_load = float(load[row])
+    if not (touch < middle < deep and 0.0 < middle_load < largest_load):
         return touch
 
     def excess(start: float) -> float:
-        loads = [curve_load(profile, one - start, 0.0, _ROUGH).value for one in (deep, middle)]
-        return math.log(loads[0] / loads[1] * measured / most)
+        loads = [
+            curve_load(profile, d - start, 0.0, _START_TOLERANCE).value for d in (deep, middle)
+        ]
+        return math.log(loads[0] / loads[1] * middle_load / largest_load)
 
     ends = max(2.0 * touch - deep, deep - _most_approach(profile)), touch
     if not excess(ends[0]) < 0.0 < excess(ends[1]):
         return touch
-    return float(brentq(excess, *ends, rtol=_ROUGH))
+    return float(brentq(excess, *ends, rtol=_START_TOLERANCE))
 
 
 def _most_approach(profile: Profile) -> float:
@@ -238,7 +253,8 @@ def _most_approach(profile: Profile) -> float:
 def with_modulus(scene: Scene, data: IndentationData) -> Scene:
     """Return a scene in SI units with the modulus of the half-space from which a fit may start."""
     assert scene.profile is not None
-    modulus, nu = first_modulus(scene.profile, data), scene.poisson_ratio
+    modulus = first_modulus(scene.profile, data)
+    nu = scene.poisson_ratio
     if nu is None:
         return scene.replace(reduced_modulus=modulus)
     return scene.replace(youngs_modulus=modulus * (1.0 - nu * nu))
@@ -266,15 +282,15 @@ def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> 
     """
     if approach <= 0.0:
         return _CurveLoad(0.0, 0.0, 0.0)
-    found = _of_approach(profile, approach, layer, rtol)
-    error = max(found.load_error, found.stiffness_error)
+    contact = _contact_at(profile, approach, layer, rtol)
+    error = max(contact.load_error, contact.stiffness_error)
     if error > 10.0 * rtol:
-        told = f"load and stiffness of {profile.brief} at {approach:.6g} are known to {error:.1e}"
-        raise ConvergenceError(told, "loosen rtol.")
-    return _derived(profile, found, layer)
+        cause = f"load and stiffness of {profile.brief} at {approach:.6g} are known to {error:.1e}"
+        raise ConvergenceError(cause, "loosen rtol.")
+    return _load_with_derivatives(profile, contact, layer)
 
 
-def _of_approach(profile: Profile, approach: float, layer: float, rtol: float) -> Indentation:
+def _contact_at(profile: Profile, approach: float, layer: float, rtol: float) -> Indentation:
     if isinstance(profile, Flat):
         punch = PinnedContact(
             profile.reach, layer, 0.0, rtol, _MOST_UNKNOWNS, pointwise=layer > 0.0
@@ -294,25 +310,28 @@ def _of_approach(profile: Profile, approach: float, layer: float, rtol: float) -
 
 def beyond_profile(profile: Profile, approach: float) -> SceneError:
     """Return the error of a depth at which the contact would grow to the end of a profile."""
-    told = (
+    allowed = (
         f"such that the contact stays inside the profile, which ends at {profile.reach:.6g}: the "
+        "approach, from the first touch on, is too large"
     )
-    return SceneError("depth", approach, f"{told}approach, from the first touch on, is too large")
+    return SceneError("depth", approach, allowed)
 
 
-def _derived(profile: Profile, found: Indentation, layer: float) -> _CurveLoad:
+def _load_with_derivatives(profile: Profile, contact: Indentation, layer: float) -> _CurveLoad:
     """Return the load of a contact with its derivatives."""
     if layer == 0.0:
-        return _CurveLoad(found.load, found.stiffness, 0.0)
-    pressure, flat, a = found.pressure, found.flat, found.radius
+        return _CurveLoad(contact.load, contact.stiffness, 0.0)
+    pressure = contact.pressure
+    flat = contact.flat
+    a = contact.radius
     assert pressure is not None
 
     def product(d: Array) -> Array:
         p = pressure(1.0 - d, d)
-        return np.asarray(p * (a * p / found.approach if flat is None else flat(1.0 - d, d)))
+        return np.asarray(p * (a * p / contact.approach if flat is None else flat(1.0 - d, d)))
 
     integral = half_load(product, breaks=cuts(profile, a, layer / a))
-    return _CurveLoad(found.load, found.stiffness, -2.0 * math.pi * a * integral)
+    return _CurveLoad(contact.load, contact.stiffness, -2.0 * math.pi * a * integral)
 
 
 def curve_loads(profile: Profile, approaches: Array, layer: float, rtol: float) -> Array:
@@ -333,20 +352,20 @@ def curve_loads(profile: Profile, approaches: Array, layer: float, rtol: float) 
     ndarray, shape (approaches, 3)
     """
     result = np.zeros((len(approaches), 3))
-    pressed, places = np.unique(approaches[approaches > 0.0], return_inverse=True)
-    if isinstance(profile, Flat) and len(pressed):
-        deepest = curve_load(profile, float(pressed[-1]), layer, rtol)
-        shares = (pressed / pressed[-1]).tolist()
+    in_contact, positions = np.unique(approaches[approaches > 0.0], return_inverse=True)
+    if isinstance(profile, Flat) and len(in_contact):
+        deepest = curve_load(profile, float(in_contact[-1]), layer, rtol)
+        fractions = (in_contact / in_contact[-1]).tolist()
         rows = [
-            _CurveLoad(one * deepest.value, deepest.by_approach, one * deepest.by_layer)
-            for one in shares
+            _CurveLoad(fraction * deepest.value, deepest.by_approach, fraction * deepest.by_layer)
+            for fraction in fractions
         ]
-    elif len(pressed) < LEAST:
-        rows = [curve_load(profile, one, layer, rtol) for one in pressed.tolist()]
+    elif len(in_contact) < LEAST:
+        rows = [curve_load(profile, approach, layer, rtol) for approach in in_contact.tolist()]
     else:
-        rows = list(map(_CurveLoad._make, _interpolated(profile, pressed, layer, rtol).tolist()))
+        rows = list(map(_CurveLoad._make, _interpolated(profile, in_contact, layer, rtol).tolist()))
     if rows:
-        result[approaches > 0.0] = np.array(rows)[places]
+        result[approaches > 0.0] = np.array(rows)[positions]
     return result
 
 
@@ -355,26 +374,26 @@ def _interpolated(profile: Profile, approaches: Array, layer: float, rtol: float
     scale = RadiusScale(profile)
     solve = indenter(profile, layer, _MOST_UNKNOWNS)
 
-    def point(found: Indentation) -> CurvePoint:
-        load = _derived(profile, found, layer)
-        logarithms = np.log([found.approach, load.value, load.by_approach])
+    def curve_point(contact: Indentation) -> CurvePoint:
+        load = _load_with_derivatives(profile, contact, layer)
+        logarithms = np.log([contact.approach, load.value, load.by_approach])
         functions = np.array([*logarithms[1:], layer * load.by_layer / load.value])
-        error = found.load_error
-        errors = np.array([found.approach_error, error, found.stiffness_error, error])
+        error = contact.load_error
+        errors = np.array([contact.approach_error, error, contact.stiffness_error, error])
         return CurvePoint(float(logarithms[0]), functions, errors)
 
     def at_place(place: float) -> CurvePoint:
-        return point(value_of(solve(scale.radius(place), rtol, layer > 0.0)))
+        return curve_point(value_of(solve(scale.radius(place), rtol, layer > 0.0)))
 
-    def single(logarithm: float) -> CurvePoint:
-        return point(_of_approach(profile, math.exp(logarithm), layer, rtol))
+    def point_of_approach(logarithm: float) -> CurvePoint:
+        return curve_point(_contact_at(profile, math.exp(logarithm), layer, rtol))
 
-    ends = [_of_approach(profile, one, layer, rtol) for one in approaches[[0, -1]].tolist()]
+    ends = [_contact_at(profile, one, layer, rtol) for one in approaches[[0, -1]].tolist()]
     first, last = (one.radius for one in ends)
     breaks = [one for one in profile.breaks if first < one < last]
     places = [scale.place(radius) for radius in (first, *breaks, last)]
     load, stiffness, by_layer = (
-        LoadCurve(at_place, single, rtol).values(places, np.log(approaches)).T
+        LoadCurve(at_place, point_of_approach, rtol).values(places, np.log(approaches)).T
     )
     value = np.exp(load)
     # without a layer the derivative by it is 0
@@ -400,31 +419,34 @@ class CurveProblem:
 
     @staticmethod
     def parameters(scene: Scene) -> tuple[str, ...]:
-        """Return what can be free."""
+        """Return the names of the parameters that can be free."""
         return INDENTATION_PARAMETERS
 
     def __init__(
         self, scene: Scene, data: IndentationData, free: tuple[str, ...], rtol: float
     ) -> None:
-        physical, profile = scene.physical, scene.profile
+        physical = scene.physical
+        profile = scene.profile
         if profile is None or physical is None or scene.friction:
-            told = "one of Scene.from_physical with a profile and without friction"
-            raise SceneError("scene", scene, told)
+            allowed = "one of Scene.from_physical with a profile and without friction"
+            raise SceneError("scene", scene, allowed)
         if not free or len(set(free)) < len(free):
-            told = f"one or more of {', '.join(self.parameters(scene))}, each once"
-            raise SceneError("free", free, told)
+            allowed = f"one or more of {', '.join(self.parameters(scene))}, each once"
+            raise SceneError("free", free, allowed)
         if len(data.load) < len(free):
-            told = f"at most {len(data.load)} parameters, the number of loads measured"
-            raise SceneError("free", free, told)
+            allowed = f"at most {len(data.load)} parameters, the number of loads measured"
+            raise SceneError("free", free, allowed)
         self.known = {
             "reduced_modulus": 4.0 * physical.quarter_modulus(scene.poisson_ratio),
             **dict.fromkeys(OF_INSTRUMENT, 0.0),
-            **self._of_layer(scene),
+            **self._layer_values(scene),
         }
         if "normal_compliance" in free and not self.known["normal_compliance"] > 0.0:
-            told = "> 0 where it is free: the fit starts there"
-            raise SceneError("normal_compliance", physical.normal_compliance, told)
-        self.scene, self.profile, self.free = scene, profile, free
+            allowed = "> 0 where it is free: the fit starts there"
+            raise SceneError("normal_compliance", physical.normal_compliance, allowed)
+        self.scene = scene
+        self.profile = profile
+        self.free = free
         self.data = data
         self.depth, self.load, self.sigma = map(np.array, (data.depth, data.load, data.sigma))
         self.line = baseline(self.depth, self.load)
@@ -432,7 +454,7 @@ class CurveProblem:
         force = float(np.ptp(self.load)) or 1.0
         start = {**dict.fromkeys(free, 0.0), **self._line_start()}
         if "zero_point" in free:
-            touch = _first_touch(profile, self.depth, self._above(), self.sigma)
+            touch = _first_touch(profile, self.depth, self._loads_above_baseline(), self.sigma)
             start["zero_point"] = touch
         scale = {"zero_point": extent, "load_offset": force, "tilt": force / extent}
         self.start = [start[name] for name in free]
@@ -448,33 +470,33 @@ class CurveProblem:
     def take_tolerance(self, rtol: float) -> None:
         """Solve with another tolerance from now on."""
         self.rtol = rtol
-        self.at = partial(self._at, {})
+        self.at = partial(self._kept_residuals, {})
 
     @staticmethod
-    def _of_layer(scene: Scene) -> dict[str, float]:
+    def _layer_values(scene: Scene) -> dict[str, float]:
         assert scene.physical is not None
         return {"normal_compliance": scene.physical.normal_compliance}
 
     def _line_start(self) -> dict[str, float]:
-        """Return where the search for offset and tilt starts, as far as they are free."""
+        """Return the values of offset and tilt from which a search starts, if they are free."""
         if self.line is None:
             return {}
         first = float(self.line.at(self.depth.min()))
-        found = {"load_offset": first if "tilt" in self.free else self.line.level}
-        found["tilt"] = self.line.tilt
-        return {name: value for name, value in found.items() if name in self.free}
+        level = first if "tilt" in self.free else self.line.level
+        start_values = {"load_offset": level, "tilt": self.line.tilt}
+        return {name: value for name, value in start_values.items() if name in self.free}
 
-    def _above(self) -> Array:
+    def _loads_above_baseline(self) -> Array:
         """Return the loads above the baseline."""
         return self.load - (0.0 if self.line is None else self.line.at(self.depth))
 
     def _first_modulus(self) -> float:
-        """Return where the search starts for the load of the deepest row to be that measured."""
+        """Return the start of ln E* with which the deepest row has the load measured."""
         values = self.values(self.start)
         start = self.start[self.free.index("reduced_modulus")]
         deepest = int(np.argmax(self.depth))
         [load] = self._loads(values, self.depth[[deepest]] - values["zero_point"])
-        ratio = float(self._above()[deepest]) / load if load else 0.0
+        ratio = float(self._loads_above_baseline()[deepest]) / load if load else 0.0
         return start + math.log(ratio) if ratio > 0.0 else start
 
     def _loads(self, values: dict[str, float], approach: Array) -> Array:
@@ -482,7 +504,7 @@ class CurveProblem:
         return self.curve(values, approach)[0]
 
     def bounds(self) -> tuple[list[float], list[float]]:
-        """Return between which values of x is searched."""
+        """Return lower and upper bounds of x in the search."""
         return [-math.inf] * len(self.free), [math.inf] * len(self.free)
 
     def _searched(self, y: Array) -> tuple[Array, Array]:
@@ -507,21 +529,21 @@ class CurveProblem:
         return np.asarray(self.at(tuple(x.tolist()))[1] * rates)
 
     @staticmethod
-    def _log(name: str) -> bool:
+    def _is_log(name: str) -> bool:
         return name not in OF_INSTRUMENT
 
     def values(self, x: Sequence[float]) -> dict[str, float]:
         """Return the parameters: logarithms are over their start."""
-        moved = {
-            name: self.known[name] * math.exp(one) if self._log(name) else one
-            for name, one in zip(self.free, x, strict=True)
+        fitted = {
+            name: self.known[name] * math.exp(number) if self._is_log(name) else number
+            for name, number in zip(self.free, x, strict=True)
         }
-        return self.known | moved
+        return self.known | fitted
 
-    def _at(self, kept: dict[Any, tuple[Array, Array]], x: tuple[float, ...]) -> Any:
+    def _kept_residuals(self, cache: dict[Any, tuple[Array, Array]], x: tuple[float, ...]) -> Any:
         """Return residuals and their derivatives; the last are kept."""
-        if x not in kept:
-            kept.clear()
+        if x not in cache:
+            cache.clear()
             self.evaluations += 1
             values = self.values(x)
             approach = self.depth - values["zero_point"]
@@ -532,8 +554,8 @@ class CurveProblem:
             columns["tilt"] = approach
             jacobian = np.stack([columns[name] for name in self.free], axis=1)
             jacobian = self.turned(jacobian, x, 1.0)
-            kept[x] = (value - self.load) / self.sigma, jacobian / self.sigma[:, None]
-        return kept[x]
+            cache[x] = (value - self.load) / self.sigma, jacobian / self.sigma[:, None]
+        return cache[x]
 
     def curve(self, values: dict[str, float], approach: Array) -> tuple[Array, Any]:
         """Return the loads of all approaches, and their derivatives by name."""
@@ -560,39 +582,38 @@ class CurveProblem:
         return {"normal_compliance": values["normal_compliance"]}
 
     def _material(self, reduced: float) -> dict[str, float]:
-        """Return what a scene takes for a reduced modulus: an elastic punch is as it was given."""
-        nu, data = self.scene.poisson_ratio, self.scene.physical
+        """Return the arguments of a scene for a reduced modulus; a punch stays as it was given."""
+        nu = self.scene.poisson_ratio
+        data = self.scene.physical
         assert data is not None
         if nu is None:
             return {"reduced_modulus": reduced}
         if data.punch_youngs_modulus is None or data.punch_poisson_ratio is None:
             return {"youngs_modulus": reduced * (1.0 - nu) * (1.0 + nu)}
-        of_punch = data.punch_poisson_ratio
-        share = reduced * (1.0 - of_punch) * (1.0 + of_punch) / data.punch_youngs_modulus
-        if not share < 1.0:
-            told = "such that the punch alone does not give way more than both do"
-            raise SceneError("punch_youngs_modulus", data.punch_youngs_modulus, told)
-        return {"youngs_modulus": reduced * (1.0 - nu) * (1.0 + nu) / (1.0 - share)}
+        punch_nu = data.punch_poisson_ratio
+        punch_share = reduced * (1.0 - punch_nu) * (1.0 + punch_nu) / data.punch_youngs_modulus
+        if not punch_share < 1.0:
+            allowed = "such that the punch alone does not give way more than both do"
+            raise SceneError("punch_youngs_modulus", data.punch_youngs_modulus, allowed)
+        return {"youngs_modulus": reduced * (1.0 - nu) * (1.0 + nu) / (1.0 - punch_share)}
 
     def outcome(self, y: Array, at_bounds: NDArray[np.int_]) -> IndentationFit:
         """Return the record, if the data determine all parameters."""
         x = tuple(self._searched(y)[0].tolist())
         residuals, jacobian = self.at(x)
-        searched = np.sqrt(np.diag(self.covariance(jacobian)))
-        for name, size in zip(self.free, searched, strict=True):
-            if self._log(name) and size > _LARGEST_ERROR:
+        deviations = np.sqrt(np.diag(self.covariance(jacobian)))
+        for name, size in zip(self.free, deviations, strict=True):
+            if self._is_log(name) and size > _LARGEST_ERROR:
                 raise SceneError("free", self.free, f"determined by the data, as {name} is not")
         for name, side in zip(self.free, at_bounds, strict=True):
             if side:
-                end = self.values(x)[name]
-                told = (
-                    f"without {name}, which comes to {end:.4g}, an end of its range: fix it there"
-                )
-                raise SceneError("free", self.free, told)
+                end = f"{self.values(x)[name]:.4g}"
+                allowed = f"without {name}, which comes to {end}, an end of its range: fix it there"
+                raise SceneError("free", self.free, allowed)
         covariance = self.covariance(self.turned(jacobian, x, -1.0))
         values = self.values(x)
         errors = [
-            float(size) * (values[name] if self._log(name) else 1.0)
+            float(size) * (values[name] if self._is_log(name) else 1.0)
             for name, size in zip(self.free, np.sqrt(np.diag(covariance)), strict=True)
         ]
         material = self._material(values["reduced_modulus"])
@@ -606,18 +627,19 @@ class CurveProblem:
             tuple(residuals.tolist()),
             self.evaluations,
             self.data,
-            (*self.data.remarks, *self._doubts(residuals)),
+            (*self.data.remarks, *self._remarks_on_fit(residuals)),
         )
 
-    def _doubts(self, residuals: Array) -> list[str]:
-        """Return what speaks against the fit."""
+    def _remarks_on_fit(self, residuals: Array) -> list[str]:
+        """Return reasons to doubt the fit."""
         from scipy.special import chdtrc  # takes long to import
 
-        found = []
-        chi_square, freedom = float(residuals @ residuals), len(residuals) - len(self.free)
+        remarks = []
+        chi_square = float(residuals @ residuals)
+        freedom = len(residuals) - len(self.free)
         by_chance = float(chdtrc(freedom, chi_square)) if freedom else 1.0
-        if by_chance < _CHANCE and chi_square > _MISFIT * freedom:
-            found.append(
+        if by_chance < _LEAST_CHANCE and chi_square > _LARGEST_REDUCED_CHI_SQUARE * freedom:
+            remarks.append(
                 f"chi square is {chi_square / freedom:.3g} a degree of freedom: the loads are not "
                 "those of elastic contact of this punch within their standard deviations, which "
                 "plastic flow, another shape of the tip, adhesion or an offset can cause; the "
@@ -625,25 +647,24 @@ class CurveProblem:
             )
         if self.line is not None and "load_offset" not in self.free:
             deviation = self.line.sigma / math.sqrt(self.line.points)
-            if abs(self.line.level) > _OFFSET * deviation:
-                found.append(f"the baseline is at {self.line.level:.3g} N: free load_offset")
-        return found
-
-    @property
-    def _alike(self) -> SceneError:
-        told = "determined by the data, which cannot distinguish them"
-        return SceneError("free", self.free, told)
+            if abs(self.line.level) > _BASELINE_DEVIATIONS * deviation:
+                remarks.append(f"the baseline is at {self.line.level:.3g} N: free load_offset")
+        return remarks
 
     def covariance(self, jacobian: Array) -> Array:
         """Return ``(J^T J)^-1``; `SceneError` if the data do not tell the parameters apart."""
         lengths = np.linalg.norm(jacobian, axis=0)
         if not (lengths > 0.0).all():
-            still = [name for name, one in zip(self.free, lengths, strict=True) if not one > 0.0]
-            told = f"determined by the data, which do not change with {' and '.join(still)}"
-            raise SceneError("free", self.free, told)
+            ineffective = [
+                name for name, one in zip(self.free, lengths, strict=True) if not one > 0.0
+            ]
+            listed = " and ".join(ineffective)
+            allowed = f"determined by the data, which do not change with {listed}"
+            raise SceneError("free", self.free, allowed)
         _, singular, right = np.linalg.svd(jacobian / lengths, full_matrices=False)
-        if singular[-1] < _APART:
-            raise self._alike
+        if singular[-1] < _LEAST_SINGULAR_VALUE:
+            allowed = "determined by the data, which cannot distinguish them"
+            raise SceneError("free", self.free, allowed)
         root = right.T / singular / lengths[:, None]
         return np.asarray(root @ root.T)
 

@@ -248,7 +248,8 @@ def _side_by_side(depth: Array, count: int) -> dict[str, Rows]:
     They are turned so that depths grow in the approach and fall in the retraction.
     """
     rows = np.arange(len(depth))
-    first, second = rows[:count], rows[count:]
+    first = rows[:count]
+    second = rows[count:]
     if depth[first[0]] > depth[first[-1]]:
         first = first[::-1]
     if depth[second[0]] < depth[second[-1]]:

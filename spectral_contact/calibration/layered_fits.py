@@ -46,7 +46,9 @@ UNIT: Final = "unit"
 #: Where the pressure is below this share of the largest one, it adds nothing to derivatives; number
 #: of points at which the law is evaluated between these two pressures; and number of radii at which
 #: the largest pressure is looked for.
-_LEAST, _POINTS, _LOOKS = 1e-12, 600, 400
+_LEAST = 1e-12
+_POINTS = 600
+_LOOKS = 400
 #: Where pressures are cut for quadrature, besides decades from the edge.
 _CUTS: Final = tuple(k / 16.0 for k in range(1, 16))
 
@@ -160,7 +162,8 @@ def _interpolated(
 
     Where the contact has an edge, these are of given radii: one solve each, and no search.
     """
-    start, width = layer.start, layer._size
+    start = layer.start
+    width = layer._size
     scale = RadiusScale(profile)
 
     def point(found: Indentation, abscissa: float, off: float) -> CurvePoint:
@@ -212,7 +215,9 @@ def _derivatives(
     """Return the derivatives of the load by the logarithms of some of the law's numbers."""
     from scipy.interpolate import CubicSpline  # takes long to import
 
-    pressure, flat, a = found.pressure, found.flat, found.radius
+    pressure = found.pressure
+    flat = found.flat
+    a = found.radius
     assert pressure is not None
     assert flat is not None
     s = np.linspace(0.0, 1.0, _LOOKS)
@@ -221,7 +226,8 @@ def _derivatives(
     w = np.linspace(*ends, _POINTS)
     if math.isfinite(layer.start):
         w = layer.start + np.geomspace(ends[0] - layer.start, ends[1] - layer.start, _POINTS)
-    p, slope = layer._pressure(w), layer._slope(w)
+    p = layer._pressure(w)
+    slope = layer._slope(w)
     # ``(dF/dtheta)/F'``: how far the overclosure of a pressure moves with theta. It is interpolated
     # as a function of the logarithm of the pressure.
     moved = {name: rate / slope for name, rate in {UNIT: p, **layer._rates(w)}.items()}
@@ -252,7 +258,7 @@ class LawProblem(CurveProblem):
         return ("reduced_modulus", *law, *OF_INSTRUMENT)
 
     @staticmethod
-    def _of_layer(scene: Scene) -> dict[str, float]:
+    def _layer_values(scene: Scene) -> dict[str, float]:
         assert scene.physical is not None
         law = scene.physical.layer
         return {name: getattr(law, name) for name in _numbers_of(law)}
@@ -261,7 +267,8 @@ class LawProblem(CurveProblem):
         """Return between which values is searched."""
         lows, highs = super().bounds()
         if "exponent" in self.free:
-            k, start = self.free.index("exponent"), self.known["exponent"]
+            k = self.free.index("exponent")
+            start = self.known["exponent"]
             lows[k], highs[k] = (math.log(end / start) for end in _EXPONENTS)
             room = 0.1 * (highs[k] - lows[k])
             self.start[k] = min(max(0.0, lows[k] + room), highs[k] - room)  # at no end
@@ -293,7 +300,8 @@ class LawProblem(CurveProblem):
         """Return a Jacobian by the logarithms of the parameters as one by x, or the reverse."""
         if not {"coefficient", "exponent"} <= set(self.free):
             return jacobian
-        found, k = jacobian.copy(), self.free.index("exponent")
+        found = jacobian.copy()
+        k = self.free.index("exponent")
         more = self._pivot * self.values(x)["exponent"]
         found[:, k] -= sense * more * jacobian[:, self.free.index("coefficient")]
         return found

@@ -102,8 +102,8 @@ class LoadCurve:
         most = min(_MOST_NODES, len(wanted))
         while len(curves.nodes) < most:
             if curves.settled(settled_to):
-                found = curves.where(wanted)
-                errors = found.lost + found.slopes * found.moved[:, None]
+                found = curves.invert(wanted)
+                errors = found.value_errors + found.slopes * found.place_errors[:, None]
                 allowed = _ALLOWED * self._allowed(found.values[:, 0])
                 if (errors.max(axis=1) <= allowed).all():
                     return found.values

@@ -96,7 +96,8 @@ class ApproachData:
         self, setting: Setting, star: Callable[[float], float], scale: Callable[[Array], Array]
     ) -> Array:
         count = len(self.approach)
-        radii, loads = setting.radii(self.radius, count), setting.loads(self.load, count)
+        radii = setting.radii(self.radius, count)
+        loads = setting.loads(self.load, count)
         return _each(star, radii) * scale(radii) * loads / setting.stiffness
 
 
@@ -168,7 +169,8 @@ class PressureData:
         """
         _check(setting, layer)
         setting.check_uncoupled("pressures")
-        [a], [load] = setting.radii(self.radius, 1), setting.loads(self.load, 1)
+        [a] = setting.radii(self.radius, 1)
+        [load] = setting.loads(self.load, 1)
         if max(self.r) > a:
             raise SceneError("r", max(self.r), f"in [0, {a:g}], the radius of the punch")
         star = setting.solve(float(a), layer, "pressure").pressure(np.array(self.r) / a)
@@ -183,7 +185,8 @@ class PressureData:
         _check(setting, layer)
         setting.check_uncoupled("pressures")
         one_of("name", name, self.depends_on)
-        [a], [load] = setting.radii(self.radius, 1), setting.loads(self.load, 1)
+        [a] = setting.radii(self.radius, 1)
+        [load] = setting.loads(self.load, 1)
         slope = setting.pressure_slope(float(a), layer, np.array(self.r) / a)
         return np.asarray(slope * (load / a**2))
 

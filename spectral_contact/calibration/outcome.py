@@ -125,7 +125,8 @@ class RoughnessFit:
         for j, second in enumerate(self.parameters):
             for i, first in enumerate(self.parameters[:j]):
                 lines.append(f"correlation {correlation[i, j]:+.2f}  {first.name}, {second.name}")
-        freedom, p = self.degrees_of_freedom, self.p_value
+        freedom = self.degrees_of_freedom
+        p = self.p_value
         lines.append(f"chi square {self.chi_square:.4g} at {freedom} degrees of freedom")
         if p is not None:
             lines[-1] += f", p = {p:.2g}"

@@ -33,7 +33,8 @@ _Solver: TypeAlias = Callable[..., Solution]
 #: What can be fitted: α, β and f.
 PARAMETERS = ("normal_compliance", "tangential_compliance", "friction")
 #: What slopes may be off, relative: the tolerance of their spaces. And most unknowns of one.
-SLOPE_ERROR, _MOST_UNKNOWNS = 1e-6, 20_000
+SLOPE_ERROR = 1e-6
+_MOST_UNKNOWNS = 20_000
 
 
 @dataclass(frozen=True, slots=True)

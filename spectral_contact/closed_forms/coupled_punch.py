@@ -211,7 +211,8 @@ def _inverse_transform(at: Position) -> _Transform:
     # v = tanh x spreads the logarithmic oscillation at v = 1; sech² x is below rounding at x = 20.
     x, weights = panel_rule(0.0, 20.0)
     inside = at.y > 0.0  # what the edge itself gets is thrown away
-    y, log_y = np.where(inside, at.y, 1.0)[..., None], np.where(inside, at.log_y, 0.0)[..., None]
+    y = np.where(inside, at.y, 1.0)[..., None]
+    log_y = np.where(inside, at.log_y, 0.0)[..., None]
     t = np.sqrt(at.s[..., None] ** 2 + y * np.tanh(x) ** 2)
     # 1 − t² = y sech² x, of which the logarithm is known where t is near 1
     far = np.log1p(t) - 0.5 * log_y + np.log(np.cosh(x))
@@ -221,7 +222,8 @@ def _inverse_transform(at: Position) -> _Transform:
 
 def _bessel_ratio(angle: Array) -> Array:
     """Return j₁(ϑ)/ϑ = (sin ϑ − ϑ cos ϑ)/ϑ³, 1/3 at ϑ = 0."""
-    small, large = np.minimum(angle, 1.0), np.maximum(angle, 1.0)
+    small = np.minimum(angle, 1.0)
+    large = np.maximum(angle, 1.0)
     series = special.hyp0f1(2.5, -0.25 * small * small) / 3.0
     closed = (np.sin(large) - large * np.cos(large)) / large**3
     return np.asarray(np.where(angle < 1.0, series, closed))

@@ -17,7 +17,8 @@ from ._inputs import Array, Position, Values, position, refusal
 
 #: Largest degree of an eigenfunction: there its recurrence takes a second at a hundred points. And
 #: of an eigenvalue: beyond, it is 1/(2l) to all digits of a double.
-_LARGEST_FUNCTION, _LARGEST_EIGENVALUE = 10**6, 10**100
+_LARGEST_FUNCTION = 10**6
+_LARGEST_EIGENVALUE = 10**100
 
 
 def eigenvalue(degree: int, order: int) -> float:

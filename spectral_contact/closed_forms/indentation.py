@@ -76,7 +76,8 @@ def _checked_flat_part(contact_radius: float, flat_radius: float) -> tuple[float
     if contact_radius < flat_radius:
         raise ValueError(f"contact_radius = {contact_radius!r}: must be at least {flat_radius!r}")
     # without the cancellation of acos next to 1
-    apart, together = contact_radius - flat_radius, contact_radius + flat_radius
+    apart = contact_radius - flat_radius
+    together = contact_radius + flat_radius
     return contact_radius, 2.0 * math.atan2(math.sqrt(apart), math.sqrt(together))
 
 
@@ -154,7 +155,8 @@ def sphere_contact(contact_radius: float, radius: float) -> SmoothContact:
     radius = _moderate("radius", radius)
     if contact_radius >= radius:
         raise ValueError(f"contact_radius = {contact_radius!r}: must be less than {radius!r}")
-    a, share = contact_radius, contact_radius / radius
+    a = contact_radius
+    share = contact_radius / radius
     rest = (radius - a) / radius * (1.0 + share)  # 1 - share**2
     # artanh(x) = x R_C(1, 1 - x**2), and artanh(x) - x = x**3 R_D(1 - x**2, 1 - x**2, 1)/3
     growth = share * special.elliprc(1.0, rest)
@@ -331,6 +333,7 @@ def winkler_contact(
     coefficient = _moderate("coefficient", coefficient)
     exponent = _exponent(exponent, contact_radius)
     normal_compliance = _moderate("normal_compliance", normal_compliance)
-    n, approach = exponent, coefficient * contact_radius**exponent
+    n = exponent
+    approach = coefficient * contact_radius**exponent
     area = math.pi * contact_radius**2
     return SmoothContact(approach, area * approach * n / ((n + 2.0) * normal_compliance))

@@ -109,7 +109,8 @@ def partial_slip_traction(
     inward = _inside_stick(at, stick)  # c − s
     inside = (inward > 0.0) | (at.s == 0.0)
     q = np.array(f * np.asarray(smooth_pressure(s, from_edge=from_edge)))
-    radius, y = at.s[inside], at.y[inside]
+    radius = at.s[inside]
+    y = at.y[inside]
     if stick.is_tiny:
         # The limit c → 0 for fixed s/c: corrections are of the order c² ln c.
         scale = stick.radius if stick.radius > 0.0 else 1.0
@@ -141,7 +142,9 @@ def _stick_traction(
 
 def _elementary_part(stick: StickRadius, p: Array, b: Array) -> Array:
     """Return p R_J(1, m, m, p), with p = 1 − b²: the divided difference of artanh(x)/x in x²."""
-    m, c, e = stick.edge_coordinate, stick.radius, stick.from_edge
+    m = stick.edge_coordinate
+    c = stick.radius
+    e = stick.from_edge
     if m > _NEAR_EDGE:
         return np.asarray(p * special.elliprj(1.0, m, m, p))
     # artanh c − artanh b is the artanh of (c − b)/(1 − cb). For a thin annulus this argument is
@@ -203,7 +206,9 @@ def slip_displacement(
         return at.output(u)
     gaps = -_inside_stick(at, stick)
     for index in np.ndindex(u.shape):
-        radius, y, gap = float(at.s[index]), float(at.y[index]), float(gaps[index])
+        radius = float(at.s[index])
+        y = float(at.y[index])
+        gap = float(gaps[index])
         if gap > 0.0:
             u[index] = _slip_at(stick, f, shear, radius, y, gap)
     return at.output(u)

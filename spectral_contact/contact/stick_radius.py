@@ -14,8 +14,9 @@ from spectral_contact.contact.resolution import EPSILON_DEPTH, TINY
 from spectral_contact.contact.tuning import JACOBIAN_RANGE, MIN_STICK_RADIUS, ROUNDING
 from spectral_contact.spectral.parameters import Parameters
 
-#: Range of logits of stick radii c. The matrix of a disk scales like ``c**5`` (docs/theory), which
-#: keeps its digits as a double down to this logit; radii as close to the edge are represented, too.
+#: Logits of stick radii c are at most this, and at least minus this. The matrix of a disk scales
+#: like ``c**5`` (docs/theory): at the least logit, where c is close to 0, doubles still represent
+#: this number with all digits. At the largest one they still represent ``1 - c**2``.
 MAX_LOGIT = 2.0 * (-log(TINY) - EPSILON_DEPTH) / 5.0
 MIN_LOGIT = -MAX_LOGIT
 
@@ -26,8 +27,9 @@ class NoStickDiskError(ArithmeticError):
     Attributes
     ----------
     at_centre : bool
-        Whether the root lies below the range: the stick disk is too small to be looked for, and all
-        slips. Else the slip annulus is too narrow, or slip is not one annulus at the edge.
+        True if the root lies below the range: the stick disk is too small to be looked for, and the
+        whole contact is taken to slip. False if the slip annulus is too narrow to be found, or if
+        slip is not one annulus at the edge.
     """
 
     def __init__(self, at_centre: bool) -> None:
@@ -110,10 +112,12 @@ def min_search_logit(parameters: Parameters) -> float:
 def limiting_logit(parameters: Parameters) -> float:
     """Return a guess of the logit of the stick radius under a known pressure, from its limits.
 
-    On a smooth surface ``1 - c`` falls like ``exp(-pi f/2)``, and c is ``4 exp(-2/f)`` as f
-    vanishes (docs/theory), for ``kappa = 1``; divided by ``1 + f``, that limit does not exceed the
-    other one. With normal compliance the pressure does not rise any
-    more closer to the edge than alpha; with tangential compliance c is ``2 beta f`` at first.
+    They are those for ``kappa = 1`` (docs/theory). On a smooth surface the logit grows like
+    ``pi f/2`` as f grows, and the radius c is ``4 exp(-2/f)`` as f vanishes. The guess is the sum
+    of the first logit and that of the second radius. This radius is divided by ``1 + f``, which is
+    1 as f vanishes, so that it adds nothing to the first logit as f grows. With normal compliance
+    the pressure is constant closer to the edge than alpha, which limits the logit from above. With
+    tangential compliance c is ``2 beta f`` as f vanishes, which limits it from below.
     """
     alpha = parameters.alpha
     beta = parameters.beta

@@ -35,18 +35,22 @@ RIGID_TRACTION_ROUNDING = 300.0 * ROUNDING
 
 # Tolerances of inner steps
 
-#: An error below this fraction of what it is compared with is negligible. A correction is left out
-#: if it is below this fraction of the tolerance. A step of the boundaries is taken when the error
-#: of the fields is below this fraction of the step. No correction is trusted to leave less of an
-#: error than this. The pressure that loads the tangential problem, and coupled full stick that
-#: decides on the onset of slip, have this fraction of the tolerance. With 0.1 for corrections the
-#: estimates of shear and boundaries are 1.7 and 1.9 times as large in the mean of 50 random scenes:
-#: validation/honesty/sharpness.py.
+#: A part below this fraction of the whole is negligible:
+#:
+#: - a correction below this fraction of the tolerance is left out;
+#: - a step of the boundaries is taken when the error of the fields is below this fraction of it;
+#: - a correction is assumed to leave at least this fraction of an error;
+#: - the pressure that loads the tangential problem has this fraction of the tolerance;
+#: - coupled full stick that decides on the onset of slip has this fraction of `ONSET_BAND` as its
+#:   tolerance.
+#:
+#: With 0.1 for corrections the estimates of shear and boundaries are 1.7 and 1.9 times as large in
+#: the mean of 50 random scenes: validation/honesty/sharpness.py.
 NEGLIGIBLE_FRACTION = 0.01
-#: Tolerance of the space and of the steps in which boundaries are located first, and in which a
-#: field is evaluated to decide what to try. A space for the root of the tolerance, in which
-#: boundaries have nearly all of their digits, comes next if that root is below this. Its cost:
-#: validation/cost/bench.py coupled.
+#: The coarse tolerance. Boundaries are located to it first, in a space for it, and in such a space
+#: fields are evaluated to choose the zones to be tried. Next comes a space for the square root of
+#: the tolerance of the solve, if this root is smaller: boundaries have nearly all of their digits
+#: there. Its cost: validation/cost/bench.py coupled.
 COARSE_TOL = 1e-3
 
 # Error estimates
@@ -140,21 +144,24 @@ ONSET_SAMPLES = 4001
 #: takes 2 s and one of 1e-12 takes 42 s; at rtol 1e-10 one of 1e-10 takes 73 s. One of
 #: 1.2e-8 is in tests/reference/test_coupled_zones.py.
 MIN_STICK_RADIUS = 1e-10
-#: Relative error C of the pressure ``s**-e/sqrt(1 - s**2)`` in slip, over ``kappa f s**2``. The
-#: measured C is 2. Not measured again.
+#: Where slip goes to the centre, the pressure approaches ``s**-e/sqrt(1 - s**2)`` as s falls. The
+#: relative error of this asymptote is taken to be ``C kappa f s**2``, with this number as C; a
+#: measurement gave 2. Not measured again.
 CENTRAL_ASYMPTOTE_ERROR = 5.0
 
 # .. friction law (contact/friction_law.py, slip_outcome.py, slip_displacement.py, edge_stick.py)
 
 #: Slip in the wrong sense that rounding makes, relative to the largest slip. Not measured again.
 SLIP_ROUNDING = 1e-10
-#: Relative error of slip from which on a zone of slip inside is taken to be off by as much of its
-#: width: at the onset of slip, where an ulp of f moves its boundaries by 1e-4 of the width, both
-#: errors grow together. `python validation/honesty/honesty.py thresholds` checks the estimates.
+#: If the relative error of the slip is at least this, the boundaries of a slip zone inside the
+#: contact are taken to be off by that error times the width of the zone. At the onset of slip,
+#: where an ulp of f moves these boundaries by 1e-4 of the width, both errors grow together.
+#: `python validation/honesty/honesty.py thresholds` checks the estimates.
 UNCERTAIN_SLIP_ERROR = 0.1
-#: Factor by which the relative error of the displacement is below that of E in slip, because the
-#: displacement is an integral of E over ``1/sqrt(d)``. Estimates of slip are 4 times as large with
-#: 1; with 16 none of 300 true errors exceeds its estimate.
+#: The relative error of the displacement in slip is estimated as that of E divided by this number:
+#: the displacement is an integral of E over ``1/sqrt(d)``, which is smoother than E. With 1 in its
+#: place estimates of slip are 4 times as large; with 16 none of 300 true errors exceeds its
+#: estimate.
 #: `python validation/honesty/honesty.py coupled_slip` checks the estimates.
 DISPLACEMENT_SMOOTHING = 16.0
 

@@ -108,8 +108,8 @@ def approach_bounds(
             (compliance, p, residual + lift),
             (coupled.compliance, q, inward - outward - coupled.compliance * q),
         ]
-    # bounds of 2 pi delta m from below, 2 pi delta (<1, u> + <r, u>), and by how much that from
-    # above is larger; the approach itself is 1/(2 pi m)
+    # 2 pi delta m is at least 2 pi delta (<1, u> + <r, u>); the bound from above is larger by
+    # `excess`. The approach itself is 1/(2 pi m).
     least = 2.0 * pi * load(pressure_at, breaks=breaks)
     least += sum(2.0 * pi * float(weights @ (r * u)) / approach for _, u, r in equations)
     excess = sum(2.0 * pi * float(weights @ r**2) / (c * approach) for c, _, r in equations)

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 #: Panels shrink by this factor towards the centre, the edge and the places between at which the
 #: pressure is not smooth (chosen).
 _RATIO = 0.3
-#: Number of the panels. The first point is at 5e-15 of half the interval from such a place: of a
-#: closer one, the radius would have too few digits of the distance.
+#: Number of these panels. The first point is at 5e-15 of half the interval from such a place. For a
+#: closer point the radius would have too few digits of the distance.
 _PANELS = 24
 #: Gauss points of each panel (chosen).
 _POINTS = 16
@@ -38,9 +38,9 @@ def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | Non
     name, given, least = ("s", s, 1.0) if beyond is None else ("beyond", beyond, 0.0)
     allowed = f"finite and at least {least:.0f}"
     places = np.asarray(reals(name, given, allowed, low=least), dtype=float)
-    wrong = ~((places >= least) & np.isfinite(places))
-    if wrong.any():
-        raise SceneError(name, float(places[wrong][0]), allowed)
+    outside_range = ~((places >= least) & np.isfinite(places))
+    if outside_range.any():
+        raise SceneError(name, float(places[outside_range][0]), allowed)
     solution._require("contact_radius")
     solution._require("pressure")
     past_edge = (places - least).ravel()
@@ -62,7 +62,7 @@ def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | Non
     displacement = np.zeros(len(past_edge))
     nodes, weights = _graded_rule()
     radius = 1.0 + past_edge[:, None]
-    ends = [one.outer for one in field.pieces] if isinstance(field, ZonalField) else [EDGE]
+    ends = [piece.outer for piece in field.pieces] if isinstance(field, ZonalField) else [EDGE]
     for inner, outer in pairwise([CENTRE, *ends]):
         half = (inner.from_edge - outer.from_edge) / 2.0
         step = half * nodes

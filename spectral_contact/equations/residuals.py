@@ -133,8 +133,8 @@ def tangential_displacement(
     Returns
     -------
     outward, inward : float
-        By how much the traction moves the surface outward, and the pressure inward. The left side
-        of (4.2) is ``beta q + outward - inward``.
+        The displacement outward by the traction, and that inward by the pressure. The left side of
+        (4.2) is ``beta q + outward - inward``.
 
     Raises
     ------

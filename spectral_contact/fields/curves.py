@@ -18,22 +18,24 @@ from spectral_contact.fields import Array
 
 #: With fewer scenes than this, all are solved (chosen).
 LEAST: Final = 24
-#: Interpolation is given up if it takes more nodes than this share of the scenes,
-_MOST_OF_SCENES: Final = 0.8
-#: or more than this: functions whose errors are above the tolerance never settle.
+#: Interpolation is given up if it takes more nodes than this fraction of the scenes.
+_MOST_NODES_OF_SCENES: Final = 0.8
+#: It is given up if it takes more nodes than this, too: functions whose errors are above the
+#: tolerance never settle.
 _MOST_NODES: Final = 200
-#: Nodes that an interval takes at 1e-8, measured: this many, and this many for each unit of its
-#: length. At other tolerances it takes more or less in proportion to the digits.
+#: Number of nodes that a short interval takes at 1e-8, measured. At other tolerances the number is
+#: in proportion to the digits.
 _NODES_AT_LEAST: Final = 6.0
+#: Number of further nodes for each unit of the length of the interval, at 1e-8.
 _NODES_PER_UNIT: Final = 2.4
-#: The error of the polynomials is taken from the misfits at this many of the last nodes ...
-_LAST: Final = 3
-#: ... and is this times the largest of them.
-_SAFETY: Final = 2.0
+#: Number of the last nodes from whose misfits the error of the polynomials is estimated.
+_LAST_MISFITS: Final = 3
+#: Factor of the largest of these misfits in the estimate.
+_MISFIT_FACTOR: Final = 2.0
 #: Number of equidistant places that nodes are chosen from.
 _PLACES: Final = 400
 #: Most steps of Newton's method.
-_STEPS: Final = 12
+_MOST_STEPS: Final = 12
 #: Newton's method ends when no step is longer than this.
 _LAST_STEP: Final = 1e-13
 
@@ -50,25 +52,25 @@ def nodes_needed(low: float, high: float, rtol: float) -> float:
 
 def nodes_allowed(scenes: int) -> int:
     """Return the most nodes that an interpolation of a number of scenes may take."""
-    return int(min(_MOST_OF_SCENES * scenes, _MOST_NODES))
+    return int(min(_MOST_NODES_OF_SCENES * scenes, _MOST_NODES))
 
 
-class Placed(NamedTuple):
-    """Places at which the first function has given values, and the values of the others there.
+class InvertedCurves(NamedTuple):
+    """Places at which the first function has given values, and the other functions there.
 
     Attributes
     ----------
-    places, moved : ndarray, shape (values,)
+    places, place_errors : ndarray, shape (values,)
         The places x, and estimates of their errors.
-    values, lost, slopes : ndarray, shape (values, functions - 1)
+    values, value_errors, slopes : ndarray, shape (values, functions - 1)
         The other functions, estimates of their errors at exactly these places, and the moduli of
         their derivatives by x: an error e of the place adds ``slopes e`` to that of the value.
     """
 
     places: Array
-    moved: Array
+    place_errors: Array
     values: Array
-    lost: Array
+    value_errors: Array
     slopes: Array
 
 
@@ -151,22 +153,26 @@ class Curves:
 
         It is false with few nodes, as the misfits at the first nodes are no estimates.
         """
-        last = self._misfits[-_LAST:]
-        return len(self._misfits) > 2 * _LAST and bool((last <= rtol).all())
+        last = self._misfits[-_LAST_MISFITS:]
+        return len(self._misfits) > 2 * _LAST_MISFITS and bool((last <= rtol).all())
 
-    def where(self, wanted: Array) -> Placed:
-        """Return where the first function has the values `wanted`, and the others there."""
+    def invert(self, wanted: Array) -> InvertedCurves:
+        """Return the places at which the first function has the values `wanted`."""
         places, last_step = self._inverted(wanted)
         value, slope = self._polynomials(places)
-        of_interpolation = _SAFETY * np.max(self._misfits[-_LAST:], axis=0)
-        of_values = self._lebesgue_function(places)[:, None] * self._errors.max(axis=0)
-        error = of_interpolation + of_values
+        interpolation_errors = _MISFIT_FACTOR * np.max(self._misfits[-_LAST_MISFITS:], axis=0)
+        node_errors = self._lebesgue_function(places)[:, None] * self._errors.max(axis=0)
+        error = interpolation_errors + node_errors
         with np.errstate(all="ignore"):
-            moved = np.where(slope[:, 0] > 0.0, error[:, 0] / slope[:, 0], np.inf) + last_step
-        return Placed(places, moved, value[:, 1:], error[:, 1:], np.abs(slope[:, 1:]))
+            place_errors = (
+                np.where(slope[:, 0] > 0.0, error[:, 0] / slope[:, 0], np.inf) + last_step
+            )
+        return InvertedCurves(
+            places, place_errors, value[:, 1:], error[:, 1:], np.abs(slope[:, 1:])
+        )
 
     def _inverted(self, wanted: Array) -> tuple[Array, Array]:
-        """Return where the first function has the values `wanted`, by Newton's method.
+        """Return the places at which the first function has some values, by Newton's method.
 
         Places are kept in the interval. The second array is the length of the last step: where
         it is large, the function does not have that value in the interval.
@@ -175,7 +181,7 @@ class Curves:
         first_function = self._polynomials(self._places)[0][:, 0]
         place = np.interp(wanted, first_function, self._places)
         step = np.full(len(place), np.inf)
-        for _ in range(_STEPS):
+        for _ in range(_MOST_STEPS):
             value, slope = self._polynomials(place)
             with np.errstate(all="ignore"):
                 step = (wanted - value[:, 0]) / slope[:, 0]

@@ -101,7 +101,7 @@ class AdhesionCycle:
             return None if value is None else value * modulus
 
         def states(jump: tuple[CycleState, ...]) -> Any:
-            return tuple(replace(one, load=one.load * modulus) for one in jump)
+            return tuple(replace(state, load=state.load * modulus) for state in jump)
 
         return replace(
             self,

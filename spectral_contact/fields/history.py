@@ -19,10 +19,10 @@ from spectral_contact.io.documents import path_text, replace_file, reported
 __all__ = ["ContactHistory"]
 
 #: The quantities of a history, in the order of the columns of `errors`.
-_NAMES: Final = ("load", "approach", "total_shear", "stick_radius")
+_QUANTITIES: Final = ("load", "approach", "total_shear", "stick_radius")
 #: Relative rounding of a radius that is stored as its logarithm, over one plus the modulus of the
 #: logarithm: some ulp (chosen).
-_ROUNDING: Final = 1e-15
+_LOG_ROUNDING: Final = 1e-15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,14 +109,14 @@ class ContactHistory:
         SceneError
             For another quantity, or as `load` does.
         """
-        one_of("quantity", quantity, _NAMES)
+        one_of("quantity", quantity, _QUANTITIES)
         panel, _ = self._places(contact_radius)
-        return self.errors[panel, _NAMES.index(quantity)][()]
+        return self.errors[panel, _QUANTITIES.index(quantity)][()]
 
     def table(self) -> dict[str, Array]:
         """Return columns over `radii`: the contact radius, every quantity and its error."""
         columns: dict[str, Array] = {"contact_radius": self.radii}
-        for name in _NAMES:
+        for name in _QUANTITIES:
             columns[name] = np.asarray(getattr(self, name)())
             columns[f"{name}_error"] = np.asarray(self.error(name))
         return columns
@@ -149,7 +149,7 @@ class ContactHistory:
         allowed = f"in [{low:.17g}, {high:.17g}], the range of the history"
         radii = reals("contact_radius", given, allowed)
         # the ends are stored as logarithms, and known to the rounding of these
-        low_rounding, high_rounding = (1.0 + np.abs(self.ends[[0, -1]])) * _ROUNDING
+        low_rounding, high_rounding = (1.0 + np.abs(self.ends[[0, -1]])) * _LOG_ROUNDING
         inside = (radii >= low * (1.0 - low_rounding)) & (radii <= high * (1.0 + high_rounding))
         if not inside.all():
             raise SceneError("contact_radius", radii[~inside].flat[0], allowed)

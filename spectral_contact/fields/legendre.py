@@ -46,7 +46,9 @@ def legendre_sums_between(values: Array, low: Array, high: Array, degree: int) -
     return np.asarray(sums @ _to_chebyshev(degree + 1))
 
 
-def legendre_sums(x: Array, coefficients: Array, own: NDArray[np.int_] | None = None) -> Array:
+def legendre_sums(
+    x: Array, coefficients: Array, series_of_point: NDArray[np.int_] | None = None
+) -> Array:
     """Return values of Legendre series by Clenshaw's recurrence.
 
     Parameters
@@ -62,7 +64,9 @@ def legendre_sums(x: Array, coefficients: Array, own: NDArray[np.int_] | None = 
     """
     # as Chebyshev series, whose recurrence has no factors that depend on the degree
     table = _to_chebyshev(coefficients.shape[1]) @ coefficients.T
-    return chebyshev_sums(x, table[:, :, None] if own is None else table.take(own, axis=1))
+    return chebyshev_sums(
+        x, table[:, :, None] if series_of_point is None else table.take(series_of_point, axis=1)
+    )
 
 
 def chebyshev_sums(x: Array, table: Array) -> Array:
@@ -114,8 +118,8 @@ _CHEBYSHEV = _chebyshev_from_legendre(48)
 
 def _to_chebyshev(terms: int) -> Array:
     """Return the matrix for a number of terms; it is made anew only if there are many."""
-    known = terms <= len(_CHEBYSHEV)
-    return _CHEBYSHEV[:terms, :terms] if known else _chebyshev_from_legendre(terms)
+    stored = terms <= len(_CHEBYSHEV)
+    return _CHEBYSHEV[:terms, :terms] if stored else _chebyshev_from_legendre(terms)
 
 
 def legendre_sum(x: float, coefficients: list[float]) -> float:

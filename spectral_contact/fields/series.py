@@ -80,10 +80,10 @@ class LogSeries:
             return np.empty(shape)
         if d.size == 1:
             return np.full(shape, self.value(float(d[0])))
-        return np.asarray(self.several([self], d)[0].reshape(shape))
+        return np.asarray(self.values_of([self], d)[0].reshape(shape))
 
     @staticmethod
-    def several(series: Sequence[LogSeries | None], d: Array) -> Array:
+    def values_of(series: Sequence[LogSeries | None], d: Array) -> Array:
         """Return the values of several series at distances (n,), a row for each, in one pass.
 
         Parameters
@@ -258,16 +258,16 @@ class PressureField:
 
     def value(self, y: float) -> float:
         """Evaluate at one ``y``."""
-        of_weight = 0.0 if self.weight is None else float(self.weight(np.array(y)))
-        return of_weight if self.series is None else of_weight + self.series.value(y)
+        weight_value = 0.0 if self.weight is None else float(self.weight(np.array(y)))
+        return weight_value if self.series is None else weight_value + self.series.value(y)
 
     @staticmethod
-    def several(fields: Sequence[PressureField], y: Array) -> Array:
+    def values_of(fields: Sequence[PressureField], y: Array) -> Array:
         """Return the values of fields whose series have the same panels at ``y``, (n,), as rows."""
-        values = LogSeries.several([one.series for one in fields], y)
-        for row, one in zip(values, fields, strict=True):
-            if one.weight is not None:
-                row += one.weight(y)
+        values = LogSeries.values_of([field.series for field in fields], y)
+        for row, field in zip(values, fields, strict=True):
+            if field.weight is not None:
+                row += field.weight(y)
         return values
 
     def times(self, factor: float) -> PressureField:

@@ -1,4 +1,4 @@
-"""The shakedown ratio: how far a cycling load may fall if slip is to stop.
+"""The shakedown ratio: the least lowest load of a cycle, over the largest, at which slip stops.
 
 It holds for a flat punch without elastic coupling (docs/cycles).
 """
@@ -35,14 +35,14 @@ def shakedown(critical: ArrayLike, critical_error: ArrayLike, friction: ArrayLik
     Parameters
     ----------
     critical, critical_error : array_like
-        Critical friction R, with which and with more of which nothing slips under a rising load:
-        the largest q/p of full stick. It is infinite without tangential compliance. And the
-        estimate of its relative error.
+        Critical friction R, the largest q/p of full stick, and the estimate of its relative error.
+        With this friction and with more nothing slips under a rising load. R is infinite without
+        tangential compliance.
     friction : array_like
         Coefficient f.
     """
     inputs = np.broadcast_arrays(critical, critical_error, friction)
-    critical, critical_error, friction = (np.asarray(one, dtype=float) for one in inputs)
+    critical, critical_error, friction = (np.asarray(array, dtype=float) for array in inputs)
     slips = friction < critical
     is_one = np.isinf(critical) | (friction == 0.0)
     with np.errstate(all="ignore"):  # where a division fails, np.where takes another value below

@@ -51,7 +51,7 @@ class _NoValue(Refused):
     """A cell has no value where one is expected."""
 
 
-#: What rows are left out for, by the name of the choice.
+#: Errors for which a row is left out, by the name of the choice.
 _LEFT_OUT: Final[dict[str, tuple[type[Refused], ...]]] = {
     "raise": (),
     "skip": (Refused,),
@@ -74,8 +74,7 @@ class NumberTable:
     sources : dict of Source
         Where each quantity is from.
     unread : tuple of str
-        What is wrong with each row that was left out, with its line; empty unless that was
-        asked for.
+        The fault of each row that was left out, with its line; empty unless rows may be left out.
     """
 
     path: str
@@ -87,10 +86,10 @@ class NumberTable:
     def __str__(self) -> str:
         """Return how the file was read, on one line."""
         read = ", ".join(f"{name} from {source}" for name, source in self.sources.items())
-        told = f"{self.path}: {len(self.lines)} rows, {read}"
+        text = f"{self.path}: {len(self.lines)} rows, {read}"
         if self.unread:
-            told += f"; {len(self.unread)} rows left out: {abridged(self.unread, '; ')}"
-        return told
+            text += f"; {len(self.unread)} rows left out: {abridged(self.unread, '; ')}"
+        return text
 
 
 def read_columns(
@@ -130,7 +129,7 @@ def read_columns(
         expected, to be left out and named in `NumberTable.unread`. With ``"missing"`` those
         without a value are left out, and others raise.
     option : str
-        What `columns` is called where the user gave it, for errors.
+        Name of the argument or option by which the user gave `columns`, for errors.
 
     Returns
     -------
@@ -151,9 +150,9 @@ def read_columns(
     if decimal is not None:
         one_of("decimal", decimal, (".", ","))
     one_of("invalid", invalid, tuple(_LEFT_OUT))
-    asked = None if columns is None else _items(columns)
+    given_columns = None if columns is None else _items(columns)
     source, content = read_file(path)
-    return _parsed(source, content, expected, asked, header, decimal, invalid, option)
+    return _parsed(source, content, expected, given_columns, header, decimal, invalid, option)
 
 
 def parse_columns(source: str, content: bytes, expected: Sequence[Expected]) -> NumberTable:
@@ -162,7 +161,7 @@ def parse_columns(source: str, content: bytes, expected: Sequence[Expected]) -> 
     Parameters
     ----------
     source : str
-        What the content is called in errors.
+        Name of the content in errors.
     content : bytes
     expected : sequence of Expected
     """
@@ -173,7 +172,7 @@ def _parsed(
     source: str,
     content: bytes,
     expected: Sequence[Expected],
-    asked: list[str] | None,
+    given_columns: list[str] | None,
     header: int | None,
     decimal: str | None,
     invalid: str,
@@ -182,8 +181,8 @@ def _parsed(
     try:
         with reported(source, "cannot be read"):
             sheet = read_sheet(content, lambda cells: name_all(cells, expected), header)
-            found = find_sources(sheet, expected, asked, header, option)
-            return _values(source, sheet, expected, found, decimal, _LEFT_OUT[invalid])
+            sources = find_sources(sheet, expected, given_columns, header, option)
+            return _values(source, sheet, expected, sources, decimal, _LEFT_OUT[invalid])
     except SolutionFileError as error:
         if isinstance(error.__cause__, MissingDependencyError):
             raise error.__cause__ from None
@@ -210,19 +209,21 @@ def _values(
     width = len(sheet.rows[0].cells)
     used = [source.index for source in sources.values()]
     sign = decimal or decimal_sign(_cells(sheet, used))
-    spare = [
+    unused_columns = [
         index
         for index, cell in enumerate(sheet.rows[0].cells)
         if index not in used and looks_like_a_number(cell)
     ]
-    asked = [(one, sources[one.name]) for one in expected if one.name in sources]
+    wanted = [
+        (quantity, sources[quantity.name]) for quantity in expected if quantity.name in sources
+    ]
     kept: list[list[float]] = []
     lines: list[int] = []
     unread: list[str] = []
     for row in sheet.rows:
         try:
-            _check_shape(row, width, spare)
-            values = [_value(row, one, source, sign) for one, source in asked]
+            _check_shape(row, width, unused_columns)
+            values = [_value(row, quantity, source, sign) for quantity, source in wanted]
         except left_out as error:
             unread.append(str(error))
         else:
@@ -233,7 +234,7 @@ def _values(
     table = np.array(kept, dtype=np.float64)
     return NumberTable(
         path,
-        {one.name: table[:, k].copy() for k, (one, _) in enumerate(asked)},
+        {quantity.name: table[:, k].copy() for k, (quantity, _) in enumerate(wanted)},
         np.array(lines, dtype=np.int64),
         sources,
         tuple(unread),
@@ -247,26 +248,28 @@ def _cells(sheet: Sheet, used: Sequence[int]) -> Iterator[tuple[int, str]]:
                 yield row.line, row.cells[index]
 
 
-def _check_shape(row: TextRow, width: int, spare: Iterable[int]) -> None:
+def _check_shape(row: TextRow, width: int, unused_columns: Iterable[int]) -> None:
     """Refuse a row that is unlike the first one, such as a line with sums below the table.
 
-    It has another number of cells, or text in one of the `spare` columns, which are not read and
-    have a number in the first row.
+    It has another number of cells, or text in one of the `unused_columns`. These are columns that
+    are not read and have a number in the first row.
     """
     if len(row.cells) != width:
         raise Refused(
             f"line {row.line}: {column_count(len(row.cells))}, where there are {width} above"
         )
-    for index in spare:
+    for index in unused_columns:
         cell = row.cells[index]
         if not (is_missing(cell) or looks_like_a_number(cell)):
-            told = "text, where there are numbers above"
-            raise Refused(f"line {row.line}, column {index + 1}: {cell[:_LONGEST_CELL]} is {told}")
+            complaint = "text, where there are numbers above"
+            raise Refused(
+                f"line {row.line}, column {index + 1}: {cell[:_LONGEST_CELL]} is {complaint}"
+            )
 
 
-def _value(row: TextRow, one: Expected, source: Source, decimal: str) -> float:
+def _value(row: TextRow, quantity: Expected, source: Source, decimal: str) -> float:
     cell = row.cells[source.index]
-    where = f"line {row.line}, column {source.index + 1} ({one.name})"
+    where = f"line {row.line}, column {source.index + 1} ({quantity.name})"
     if is_missing(cell):
         raise _NoValue(f"{where}: {f'{cell} is' if cell else 'there is'} no value")
     try:
@@ -276,8 +279,10 @@ def _value(row: TextRow, one: Expected, source: Source, decimal: str) -> float:
             if value == 0.0:
                 raise OverflowError
     except (OverflowError, ValueError) as error:
-        told = "is not within the range of a double" if isinstance(error, OverflowError) else error
-        raise Refused(f"{where}: {cell[:_LONGEST_CELL]} {told}") from None
-    if value < one.at_least:
-        raise Refused(f"{where}: {cell} must be at least {one.at_least:g}")
+        complaint = (
+            "is not within the range of a double" if isinstance(error, OverflowError) else error
+        )
+        raise Refused(f"{where}: {cell[:_LONGEST_CELL]} {complaint}") from None
+    if value < quantity.at_least:
+        raise Refused(f"{where}: {cell} must be at least {quantity.at_least:g}")
     return value

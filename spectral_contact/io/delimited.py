@@ -26,9 +26,9 @@ _MARKS: Final = (
     (codecs.BOM_UTF16_LE, "utf-16"),
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
-#: How many bytes tell UTF-16 without a mark from other files.
-_SAMPLE: Final = 1000
-#: How many lines tell the delimiter; a later line with another one is refused.
+#: Number of bytes by which UTF-16 without a mark is recognised.
+_BYTES_SAMPLED: Final = 1000
+#: Number of lines by which the delimiter is chosen; a later line with another one is refused.
 _LINES_SAMPLED: Final = 1000
 #: Delimiters in the order in which they are preferred; a blank stands for any white space.
 _DELIMITERS: Final = ("\t", ";", ",", " ")
@@ -44,7 +44,7 @@ _NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eEdD][+-]
 #: Several numbers in one cell: the delimiter is another one.
 _SEVERAL_NUMBERS: Final = re.compile(r"[-+0-9.,eEdD]+(?:\s*[;\s]\s*[-+0-9.,eEdD]+)+")
 _THOUSANDS: Final = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
-#: What programs write where there is no value.
+#: Texts that programs write where there is no value.
 _MISSING: Final = frozenset(("", "-", "na", "n/a", "nan", "null", "none", "nv", "--"))
 #: Those of them that stand for no unit, too.
 _DASHES: Final = frozenset(("", "-", "--"))
@@ -117,13 +117,13 @@ def _encoding(content: bytes) -> str:
             return encoding
     if content.startswith(b"PK\x03\x04"):
         raise Refused("is an archive or a spreadsheet, no text: save the table as CSV")
-    sample = content[:_SAMPLE]
+    sample = content[:_BYTES_SAMPLED]
     zeros = [sample[start::2].count(0) for start in (0, 1)]
     if any(zeros):
-        wide = len(sample) // 4
-        if zeros[0] == 0 and zeros[1] >= wide:
+        quarter = len(sample) // 4
+        if zeros[0] == 0 and zeros[1] >= quarter:
             return "utf-16-le"
-        if zeros[1] == 0 and zeros[0] >= wide:
+        if zeros[1] == 0 and zeros[0] >= quarter:
             return "utf-16-be"
         raise Refused("is binary, no text")
     return "utf-8"
@@ -163,17 +163,17 @@ def read_sheet(
         else:
             texts.append((line, _TRAILING_COMMENT.sub("", text)))
     delimiter = separator[1] if separator else _delimiter([text for _, text in texts])
-    every = [TextRow(line, text, split(text, delimiter)) for line, text in texts]
-    first = _first_row(every, delimiter, are_headings, header)
-    rows = _without_empty_ends(every[first:], every[:first])
+    all_rows = [TextRow(line, text, split(text, delimiter)) for line, text in texts]
+    first = _first_row(all_rows, delimiter, are_headings, header)
+    rows = _without_empty_ends(all_rows[first:], all_rows[:first])
     if not rows:
         below = "" if header is None else f" below line {header}, that of the headings"
         raise Refused(f"has no row of numbers{below}")
-    above = [one for one in comments if one[0] < rows[0].line]
+    comments_above = [comment for comment in comments if comment[0] < rows[0].line]
     return Sheet(
         delimiter,
-        tuple(TextRow(line, text, split(text, delimiter)) for line, text in above),
-        tuple(every[:first]),
+        tuple(TextRow(line, text, split(text, delimiter)) for line, text in comments_above),
+        tuple(all_rows[:first]),
         tuple(rows),
     )
 
@@ -181,10 +181,10 @@ def read_sheet(
 def split(text: str, delimiter: str) -> tuple[str, ...]:
     """Return the cells of a line, without blanks around them and without quotes."""
     if delimiter == " ":
-        found = re.findall(r'"[^"]*"|\S+', text)
+        cells = re.findall(r'"[^"]*"|\S+', text)
     else:
-        found = next(csv.reader([text], delimiter=delimiter, skipinitialspace=True), [])
-    return tuple(cell.strip().strip('"').strip() for cell in found)
+        cells = next(csv.reader([text], delimiter=delimiter, skipinitialspace=True), [])
+    return tuple(cell.strip().strip('"').strip() for cell in cells)
 
 
 def heading_cells(text: str, delimiter: str) -> Iterator[tuple[str, ...]]:
@@ -217,7 +217,7 @@ def split_headings(text: str, delimiter: str, width: int) -> tuple[str, ...] | N
 
 
 def is_missing(text: str) -> bool:
-    """Return whether a cell says that there is no value."""
+    """Return whether the text of a cell stands for a missing value."""
     return text.lower() in _MISSING or bool(re.match(_SHEET_ERROR, text))
 
 
@@ -245,11 +245,11 @@ def decimal_sign(cells: Iterable[tuple[int, str]]) -> str:
         return "."
     line, text = commas[0]
     if points is not None:
-        told = f"line {line} has a decimal comma ({text}), line {points[0]} a decimal point"
-        raise Refused(f"{told} ({points[1]})")
+        complaint = f"line {line} has a decimal comma ({text}), line {points[0]} a decimal point"
+        raise Refused(f"{complaint} ({points[1]})")
     if all(_THOUSANDS.fullmatch(_with_signs(one)) for _, one in commas):
-        told = "is a decimal comma or parts thousands: write decimal points, or give decimal"
-        raise Refused(f"line {line}: it is not known whether the comma of {text} {told}")
+        complaint = "is a decimal comma or parts thousands: write decimal points, or give decimal"
+        raise Refused(f"line {line}: it is not known whether the comma of {text} {complaint}")
     return ","
 
 
@@ -293,44 +293,45 @@ def _delimiter(texts: Sequence[str]) -> str:
 
 
 def _first_row(
-    every: Sequence[TextRow],
+    all_rows: Sequence[TextRow],
     delimiter: str,
     are_headings: Callable[[tuple[str, ...]], bool],
     header: int | None,
 ) -> int:
     """Return the place of the first row of numbers, or of marks that there is no value."""
-    widths = Counter(len(row.cells) for row in every if any(map(_is_number, row.cells)))
+    widths = Counter(len(row.cells) for row in all_rows if any(map(_is_number, row.cells)))
     usual = max(widths, key=widths.__getitem__, default=0)
 
     def has_number(place: int) -> bool:
-        cells = every[place].cells
+        cells = all_rows[place].cells
         # a line of text with a number in it, as a date, has not as many cells as rows have
         is_row = len(cells) == usual or all(map(_is_number, cells))
         return is_row and any(map(_is_number, cells))
 
     def has_no_value(place: int) -> bool:
-        cells = every[place].cells
+        cells = all_rows[place].cells
         # a line of dashes below headings may be a line of units, of numbers that have none
-        told = not _DASHES.issuperset(cells)
-        return told and len(cells) == usual and all(map(is_missing, cells))
+        has_text = not _DASHES.issuperset(cells)
+        return has_text and len(cells) == usual and all(map(is_missing, cells))
 
-    above = -1
-    for place, row in enumerate(every):
+    heading_row = -1
+    for place, row in enumerate(all_rows):
         if header is not None:
-            above = place if row.line <= header else above
+            heading_row = place if row.line <= header else heading_row
         elif not has_number(place) and any(map(are_headings, heading_cells(row.text, delimiter))):
-            above = place
+            heading_row = place
             break
     if header is None:
-        for row in every[: max(above, 0)]:
+        for row in all_rows[: max(heading_row, 0)]:
             if len(row.cells) > 1 and all(map(_is_number, row.cells)):
+                headings_line = all_rows[heading_row].line
                 raise Refused(
-                    f"line {row.line}: numbers above the headings of line {every[above].line}"
+                    f"line {row.line}: numbers above the headings of line {headings_line}"
                 )
     # What is below the line of headings may be a line of units.
-    below = range(above + 1, len(every))
+    below = range(heading_row + 1, len(all_rows))
     rows = (place for place in below if has_number(place) or has_no_value(place))
-    return next(rows, len(every))
+    return next(rows, len(all_rows))
 
 
 def _without_empty_ends(rows: Sequence[TextRow], above: Sequence[TextRow]) -> list[TextRow]:
@@ -340,11 +341,11 @@ def _without_empty_ends(rows: Sequence[TextRow], above: Sequence[TextRow]) -> li
     it is a missing value and stays.
     """
     counts = {len(row.cells) for row in rows}
-    alike = [*rows, *(row for row in above if len(row.cells) in counts)]
-    spare = min((len(row.cells) - _filled(row.cells) for row in alike), default=0)
-    if not spare:
+    equally_wide = [*rows, *(row for row in above if len(row.cells) in counts)]
+    empty_ends = min((len(row.cells) - _filled(row.cells) for row in equally_wide), default=0)
+    if not empty_ends:
         return list(rows)
-    return [replace(row, cells=row.cells[:-spare]) for row in rows]
+    return [replace(row, cells=row.cells[:-empty_ends]) for row in rows]
 
 
 def _filled(cells: tuple[str, ...]) -> int:

@@ -45,12 +45,12 @@ _HEADINGS: Final[Mapping[str, tuple[str, ...]]] = {
     "stiffness": ("S", "stiffness", "harmonic contact stiffness", "contact stiffness"),
     "area": ("A", "area", "contact area", "projected area"),
 }
-#: More of them where columns have no units: lengths over the contact radius.
+#: Further headings of columns without units: lengths over the contact radius.
 _RATIOS: Final[Mapping[str, tuple[str, ...]]] = {
     "r": ("s", "r/a", "r/R"),
     "z": ("z/a", "z/R"),
 }
-#: What dimensionless columns may have for a unit: L and E' are the units of scenes with a profile.
+#: Units that dimensionless columns may have: L and E' are those of scenes with a profile.
 _DIMENSIONLESS: Final = frozenset(("", "-", "1", "a", "L", "E'"))
 #: Part of a heading of a load that may be one in volts or of a length, too.
 _DEFLECTION: Final = "defl"
@@ -184,32 +184,34 @@ class _Heading:
 def find_sources(
     sheet: Sheet,
     expected: Sequence[Expected],
-    asked: list[str] | None,
+    given_columns: list[str] | None,
     header: int | None,
     option: str,
 ) -> dict[str, Source]:
     """Return the column of each quantity, as far as there is one."""
     width = len(sheet.rows[0].cells)
     headings = _headings(sheet, expected, width, header)
-    if asked is None:
+    if given_columns is None:
         if headings is None:
-            places = _in_order(sheet, expected, width, option)
+            indices = _in_order(sheet, expected, width, option)
         else:
-            places = _by_headings(headings, expected, option)
+            indices = _by_headings(headings, expected, option)
         units: dict[str, str | None] = {}
     else:
-        places, units = _as_asked(asked, headings, expected, width, option)
-    missing = [one.name for one in expected if one.required and one.name not in places]
+        indices, units = _by_user(given_columns, headings, expected, width, option)
+    missing = [
+        quantity.name for quantity in expected if quantity.required and quantity.name not in indices
+    ]
     if missing:
-        told = f"no column of {' and '.join(missing)}"
-        raise NoColumnError(f"{told}: {_shown(headings, width)}; {_remedy(expected, option)}")
-    found = {}
-    for one in expected:
-        if one.name in places:
-            index = places[one.name]
+        complaint = f"no column of {' and '.join(missing)}"
+        raise NoColumnError(f"{complaint}: {_shown(headings, width)}; {_advice(expected, option)}")
+    sources = {}
+    for quantity in expected:
+        if quantity.name in indices:
+            index = indices[quantity.name]
             heading = None if headings is None else headings[index]
-            found[one.name] = _source(one, index, heading, units.get(one.name))
-    return found
+            sources[quantity.name] = _source(quantity, index, heading, units.get(quantity.name))
+    return sources
 
 
 def _headings(
@@ -223,18 +225,18 @@ def _headings(
     """
     texts = [row for row in sheet.texts if header is None or row.line == header]
     for k in range(len(texts) - 1, -1, -1):
-        found = _named(texts[k], sheet.delimiter, expected, width)
-        if found is not None and (header is not None or _names_any(found, expected)):
+        headings = _named(texts[k], sheet.delimiter, expected, width)
+        if headings is not None and (header is not None or _name_any(headings, expected)):
             below = texts[k + 1 :]
             if below:
-                return _with_units(found, below, sheet.delimiter)
-            return _with_commented_units(found, sheet, expected, texts[k].line)
+                return _with_units(headings, below, sheet.delimiter)
+            return _with_commented_units(headings, sheet, expected, texts[k].line)
     if texts:
-        return _of_other_names(texts, sheet.delimiter, expected, width)
+        return _unexpected_headings(texts, sheet.delimiter, expected, width)
     return _commented(sheet, expected, width)
 
 
-def _of_other_names(
+def _unexpected_headings(
     texts: Sequence[TextRow], delimiter: str, expected: Sequence[Expected], width: int
 ) -> list[_Heading] | None:
     """Return the lowest headings, which name nothing expected: the user may choose from them."""
@@ -250,16 +252,16 @@ def _commented(sheet: Sheet, expected: Sequence[Expected], width: int) -> list[_
     for comment in reversed(sheet.comments):
         label, cells = _label_and_cells(comment)
         named = replace(comment, text=cells) if label in _HEADING_LABELS else comment
-        found = _named(named, sheet.delimiter, expected, width)
-        if found is not None and _names_any(found, expected) and not _is_prose(found):
-            return _with_labelled_units(found, sheet)
+        headings = _named(named, sheet.delimiter, expected, width)
+        if headings is not None and _name_any(headings, expected) and not _is_prose(headings):
+            return _with_labelled_units(headings, sheet)
     return None
 
 
 def _label_and_cells(comment: TextRow) -> tuple[str, str]:
-    """Return what a comment calls its cells, or nothing, and the cells."""
-    found = _LABELLED.fullmatch(comment.text)
-    return ("", comment.text) if found is None else (found["label"], found["cells"])
+    """Return the label of the cells of a comment, "" without one, and the cells."""
+    match = _LABELLED.fullmatch(comment.text)
+    return ("", comment.text) if match is None else (match["label"], match["cells"])
 
 
 def _with_labelled_units(headings: list[_Heading], sheet: Sheet) -> list[_Heading]:
@@ -282,7 +284,7 @@ def _named(
     return None if cells is None else [_Heading.read(cell, expected) for cell in cells]
 
 
-def _names_any(headings: Iterable[_Heading], expected: Sequence[Expected]) -> bool:
+def _name_any(headings: Iterable[_Heading], expected: Sequence[Expected]) -> bool:
     return any(
         one.is_called(heading.name) or one.is_ratio(heading.name)
         for heading in headings
@@ -336,11 +338,15 @@ def _with_commented_units(
     """
     names = [heading.name for heading in headings]
     for comment in reversed(sheet.comments):
-        found = _named(comment, sheet.delimiter, expected, len(headings))
-        if comment.line < line and found is not None and [one.name for one in found] == names:
+        commented = _named(comment, sheet.delimiter, expected, len(headings))
+        if (
+            comment.line < line
+            and commented is not None
+            and [one.name for one in commented] == names
+        ):
             return [
                 own if own.unit is not None else replace(own, unit=other.unit)
-                for own, other in zip(headings, found, strict=True)
+                for own, other in zip(headings, commented, strict=True)
             ]
     return headings
 
@@ -352,14 +358,14 @@ def _in_order(
     required = [one.name for one in expected if one.required]
     if sheet.texts:
         above = f"above numbers in {column_count(width)}"
-        told = f"{_lines(sheet.texts)}: text that names no column, {above}"
-        raise NoColumnError(f"{told}; {_remedy(expected, option)}")
+        complaint = f"{_lines(sheet.texts)}: text that names no column, {above}"
+        raise NoColumnError(f"{complaint}; {_advice(expected, option)}")
     if width != len(required) or not required:
-        told = f"line {sheet.rows[0].line}: {column_count(width)} without headings"
+        complaint = f"line {sheet.rows[0].line}: {column_count(width)} without headings"
         if not required:
-            raise NoColumnError(f"{told}; write a first line that names each")
+            raise NoColumnError(f"{complaint}; write a first line that names each")
         names = f"{' and '.join(required)} {'is' if len(required) == 1 else 'are'}"
-        raise NoColumnError(f"{told}, where {names} expected; {_remedy(expected, option)}")
+        raise NoColumnError(f"{complaint}, where {names} expected; {_advice(expected, option)}")
     return {name: index for index, name in enumerate(required)}
 
 
@@ -367,88 +373,97 @@ def _by_headings(
     headings: list[_Heading], expected: Sequence[Expected], option: str
 ) -> dict[str, int]:
     """Return the columns whose headings name a quantity."""
-    places: dict[str, int] = {}
-    for one in expected:
-        named = [k for k, heading in enumerate(headings) if one.is_called(heading.name)]
+    indices: dict[str, int] = {}
+    for quantity in expected:
+        named = [k for k, heading in enumerate(headings) if quantity.is_called(heading.name)]
         if len(named) > 1:
-            named = _of_its_dimension(one, headings, named)
+            named = _with_fitting_unit(quantity, headings, named)
         if len(named) > 1:
-            several = " and ".join(f"column {k + 1} ({headings[k].text})" for k in named)
-            raise Refused(f"{several} are both {one.name}; {_remedy(expected, option)}")
+            candidates = " and ".join(f"column {k + 1} ({headings[k].text})" for k in named)
+            raise Refused(f"{candidates} are both {quantity.name}; {_advice(expected, option)}")
         if named:
-            places[one.name] = named[0]
-        elif one.required:
-            _refuse_ratio(one, headings)
-    twice = _first_repeated(list(places.values()))
-    if twice is not None:
-        names = " and ".join(name for name, index in places.items() if index == twice)
-        told = f"column {twice + 1} ({headings[twice].text}) may be {names}"
-        raise Refused(f"{told}; {_remedy(expected, option)}")
-    return places
+            indices[quantity.name] = named[0]
+        elif quantity.required:
+            _refuse_ratio(quantity, headings)
+    repeated = _first_repeated(list(indices.values()))
+    if repeated is not None:
+        names = " and ".join(name for name, index in indices.items() if index == repeated)
+        complaint = f"column {repeated + 1} ({headings[repeated].text}) may be {names}"
+        raise Refused(f"{complaint}; {_advice(expected, option)}")
+    return indices
 
 
-def _of_its_dimension(one: Expected, headings: Sequence[_Heading], named: list[int]) -> list[int]:
+def _with_fitting_unit(
+    quantity: Expected, headings: Sequence[_Heading], named: list[int]
+) -> list[int]:
     """Return the only column whose unit is one of the quantity, if the others have other units."""
     units = [headings[k].unit or "" for k in named]
-    if not all(units) or not one.unit:
+    if not all(units) or not quantity.unit:
         return named
-    fitting = [k for k, unit in zip(named, units, strict=True) if _fits(one, unit)]
+    fitting = [k for k, unit in zip(named, units, strict=True) if _fits(quantity, unit)]
     return fitting if len(fitting) == 1 else named
 
 
-def _fits(one: Expected, unit: str) -> bool:
+def _fits(quantity: Expected, unit: str) -> bool:
     """Return whether a unit is one of a quantity."""
     try:
-        _factor(one, unit, "")
+        _factor(quantity, unit, "")
     except Refused:
         return False
     return True
 
 
-def _refuse_ratio(one: Expected, headings: Iterable[_Heading]) -> None:
+def _refuse_ratio(quantity: Expected, headings: Iterable[_Heading]) -> None:
     """Refuse a column of lengths over the contact radius where one in SI units is expected."""
     for heading in headings:
-        if one.is_ratio(heading.name):
-            told = f"{heading.text} is over the contact radius"
-            raise Refused(f"{told}, where {one.name} in {one.unit} is expected")
+        if quantity.is_ratio(heading.name):
+            complaint = f"{heading.text} is over the contact radius"
+            raise Refused(f"{complaint}, where {quantity.name} in {quantity.unit} is expected")
 
 
 def _first_repeated(places: Sequence[int]) -> int | None:
     return next((place for place in places if places.count(place) > 1), None)
 
 
-def _as_asked(
-    asked: list[str],
+def _by_user(
+    given_columns: list[str],
     headings: list[_Heading] | None,
     expected: Sequence[Expected],
     width: int,
     option: str,
 ) -> tuple[dict[str, int], dict[str, str | None]]:
-    """Return the columns that the user says, and their units if they are said, too."""
-    places: dict[str, int] = {}
+    """Return the columns that the user has named, and their units where these are given, too."""
+    indices: dict[str, int] = {}
     units: dict[str, str | None] = {}
-    if headings is None and not any("=" in item for item in asked) and len(asked) != width:
-        told = f"{option}: {len(asked)} names for {column_count(width)} without headings"
-        raise Refused(f"{told}; {_remedy(expected, option)}")
-    for order, item in enumerate(asked):
+    if (
+        headings is None
+        and not any("=" in item for item in given_columns)
+        and len(given_columns) != width
+    ):
+        complaint = (
+            f"{option}: {len(given_columns)} names for {column_count(width)} without headings"
+        )
+        raise Refused(f"{complaint}; {_advice(expected, option)}")
+    for order, item in enumerate(given_columns):
         name, is_pair, column = (part.strip() for part in item.partition("="))
-        said = _Heading.read(column if is_pair else name, expected)
+        given = _Heading.read(column if is_pair else name, expected)
         if is_pair:
             quantity = _quantity(name, expected, f"{option} {item}")
         else:
-            quantity = _quantity(said.name, expected)
-        if quantity in places:
+            quantity = _quantity(given.name, expected)
+        if quantity in indices:
             raise Refused(f"{option}: {quantity} is given twice")
         if is_pair or headings is not None:
-            index = _place_of(said, headings, width, option, by_number=bool(is_pair))
+            index = _column_index(given, headings, width, option, by_number=bool(is_pair))
         else:
             index = order
         if quantity is not None:
-            places[quantity], units[quantity] = index, said.unit
-    twice = _first_repeated(list(places.values()))
-    if twice is not None:
-        raise Refused(f"{option}: column {twice + 1} is given twice")
-    return places, units
+            indices[quantity] = index
+            units[quantity] = given.unit
+    repeated = _first_repeated(list(indices.values()))
+    if repeated is not None:
+        raise Refused(f"{option}: column {repeated + 1} is given twice")
+    return indices, units
 
 
 def _quantity(name: str, expected: Sequence[Expected], item: str = "") -> str | None:
@@ -462,57 +477,63 @@ def _quantity(name: str, expected: Sequence[Expected], item: str = "") -> str | 
     return None
 
 
-def _place_of(
-    said: _Heading, headings: list[_Heading] | None, width: int, option: str, *, by_number: bool
+def _column_index(
+    given: _Heading, headings: list[_Heading] | None, width: int, option: str, *, by_number: bool
 ) -> int:
     """Return the place of the column of this number or heading, with or without its unit."""
-    if by_number and said.name.isascii() and said.name.isdigit():
-        place = int(said.name) - 1
+    if by_number and given.name.isascii() and given.name.isdigit():
+        place = int(given.name) - 1
         if not 0 <= place < width:
-            raise Refused(f"{option} {said.text}: there are {column_count(width)}")
+            raise Refused(f"{option} {given.text}: there are {column_count(width)}")
         return place
-    there = headings or []
-    places = [k for k, heading in enumerate(there) if heading.text == said.text]
-    places = places or [k for k, one in enumerate(there) if _plain(one.name) == _plain(said.name)]
+    present = headings or []
+    places = [k for k, heading in enumerate(present) if heading.text == given.text]
+    places = places or [
+        k for k, one in enumerate(present) if _plain(one.name) == _plain(given.name)
+    ]
     if len(places) != 1:
-        several = "more than one column" if places else "no column"
-        raise Refused(f"{option}: {several} {said.text}: {_shown(headings, width)}")
+        count_text = "more than one column" if places else "no column"
+        raise Refused(f"{option}: {count_text} {given.text}: {_shown(headings, width)}")
     return places[0]
 
 
-def _source(one: Expected, index: int, heading: _Heading | None, said: str | None) -> Source:
+def _source(
+    quantity: Expected, index: int, heading: _Heading | None, given_unit: str | None
+) -> Source:
     """Return a column with the factor of its unit, said by the user or by the heading."""
-    text, written = ("", None) if heading is None else (heading.text, heading.unit)
+    text, file_unit = ("", None) if heading is None else (heading.text, heading.unit)
     where = f"column {index + 1}{f' ({text})' if text else ''}"
-    if said is not None and written and said != written:
-        raise Refused(f"{where} is in {written}, not in {said}")
-    unit = (said if said is not None else written) or ""
+    if given_unit is not None and file_unit and given_unit != file_unit:
+        raise Refused(f"{where} is in {file_unit}, not in {given_unit}")
+    unit = (given_unit if given_unit is not None else file_unit) or ""
     if heading is not None and not unit and _DEFLECTION in heading.name.lower():
-        told = "has no unit, and a deflection may be in N, V or m: give it with the column"
-        raise Refused(f"{where} {told}")
-    if one.unit:
-        ratio = heading is not None and one.is_ratio(heading.name)
-        if ratio or unit in _DIMENSIONLESS - {""}:
-            told = f"is dimensionless, where {one.name} in {one.unit} is expected"
-            raise Refused(f"{where} {told}")
-        return Source(index, text, unit or one.unit, _factor(one, unit or one.unit, where))
+        complaint = "has no unit, and a deflection may be in N, V or m: give it with the column"
+        raise Refused(f"{where} {complaint}")
+    if quantity.unit:
+        is_ratio = heading is not None and quantity.is_ratio(heading.name)
+        if is_ratio or unit in _DIMENSIONLESS - {""}:
+            complaint = f"is dimensionless, where {quantity.name} in {quantity.unit} is expected"
+            raise Refused(f"{where} {complaint}")
+        return Source(
+            index, text, unit or quantity.unit, _factor(quantity, unit or quantity.unit, where)
+        )
     if unit not in _DIMENSIONLESS:
-        told = f"the scene has no units, and {one.name} none of its own"
-        raise Refused(f"{where} is in {unit}: {told}")
+        complaint = f"the scene has no units, and {quantity.name} none of its own"
+        raise Refused(f"{where} is in {unit}: {complaint}")
     return Source(index, text, unit, Fraction(1))
 
 
-def _factor(one: Expected, unit: str, where: str) -> Fraction:
+def _factor(quantity: Expected, unit: str, where: str) -> Fraction:
     """Return a unit over the SI unit of a quantity."""
-    if unit == one.unit:
+    if unit == quantity.unit:
         return Fraction(1)
     measure = f"1 {unit}"
     try:
         if has_unit(measure):
-            return Fraction(in_si(one.name, measure, one.unit))
+            return Fraction(in_si(quantity.name, measure, quantity.unit))
     except SceneError:  # of another dimension, or no unit
         pass
-    raise Refused(f"{where}: {unit} is no unit of {one.name}, which is in {one.unit}")
+    raise Refused(f"{where}: {unit} is no unit of {quantity.name}, which is in {quantity.unit}")
 
 
 def _plain(heading: str) -> str:
@@ -538,11 +559,11 @@ def _shown(headings: list[_Heading] | None, width: int) -> str:
 
 
 def abridged(texts: Sequence[str], between: str) -> str:
-    """Return texts in a row, of very many the first and how many more there are."""
+    """Return joined texts; of very many the first ones, and the number of the others."""
     more = len(texts) - _MOST_SHOWN
     return between.join(texts[:_MOST_SHOWN]) + (f" and {more} more" if more > 0 else "")
 
 
-def _remedy(expected: Sequence[Expected], option: str) -> str:
+def _advice(expected: Sequence[Expected], option: str) -> str:
     pairs = ",".join(f"{one.name}={k}" for k, one in enumerate(expected, 1) if one.required)
     return f"say which they are, such as {option} {pairs}"

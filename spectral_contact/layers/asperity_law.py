@@ -24,13 +24,16 @@ from spectral_contact.layers.layer_base import RANGE, Layer
 
 #: ``4/3 E*`` in E'.
 _FACTOR = 16.0 / 3.0
-#: Points of the trapezoidal rule for a moment, good down to a separation of -30 deviations; and
-#: twice the exponent at which it ends: there the integrand has fallen by ``exp(-40)``.
-_POINTS, _END = 128, 80.0
+#: Number of points of the trapezoidal rule for a moment, good down to a separation of -30
+#: deviations.
+_POINTS = 128
+#: Twice the exponent at which the rule ends: there the integrand has fallen by ``exp(-40)``.
+_END = 80.0
 #: Terms of the Chebyshev series that stands for a moment on an interval of one deviation.
 _TERMS = 18
-#: Separations in deviations, whole numbers, between which moments are series.
-_NEAREST, _FARTHEST = -30.0, 45.0
+#: Moments are series between this separation and `_FARTHEST`, whole numbers of deviations.
+_NEAREST = -30.0
+_FARTHEST = 45.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +92,7 @@ class GreenwoodWilliamson(Layer):
     def _unit(self) -> float:
         return float(_FACTOR * self.density * sqrt(self.tip_radius) * self.height_deviation**1.5)
 
-    def _carried(self, w: Array, order: int) -> Array:
+    def _height_moment(self, w: Array, order: int) -> Array:
         """Return ``int (z - h)^(order/2) phi(z) dz`` at ``h = -w`` over the deviation."""
         h = -np.asarray(w, dtype=float) / self.height_deviation
         if self.heights == "exponential":
@@ -97,10 +100,10 @@ class GreenwoodWilliamson(Layer):
         return _gaussian(order, h)
 
     def _pressure(self, w: Array) -> Array:
-        return self._unit * self._carried(w, 3)
+        return self._unit * self._height_moment(w, 3)
 
     def _slope(self, w: Array) -> Array:
-        return 1.5 * self._unit / self.height_deviation * self._carried(w, 1)
+        return 1.5 * self._unit / self.height_deviation * self._height_moment(w, 1)
 
     def _rates(self, w: Array) -> dict[str, Array]:
         p = self._pressure(w)
@@ -111,26 +114,28 @@ class GreenwoodWilliamson(Layer):
         }
 
     def _energy(self, w: Array) -> Array:
-        return 0.4 * self._unit * self.height_deviation * self._carried(w, 5)
+        return 0.4 * self._unit * self.height_deviation * self._height_moment(w, 5)
 
 
 def _gaussian(order: int, h: Array) -> Array:
     """Return the moment of Gaussian heights of unit deviation, for an odd order."""
     within = np.clip(np.where(np.isnan(h), _FARTHEST, h), _NEAREST, _FARTHEST)
-    place = np.minimum((within - _NEAREST).astype(int), int(_FARTHEST - _NEAREST) - 1)
-    local = 2.0 * (within - _NEAREST - place) - 1.0
-    rows, twice = _series(order)[:, place], 2.0 * local
-    found, before = rows[-1], np.zeros(np.shape(h))
+    interval = np.minimum((within - _NEAREST).astype(int), int(_FARTHEST - _NEAREST) - 1)
+    local = 2.0 * (within - _NEAREST - interval) - 1.0
+    rows = _series(order)[:, interval]
+    twice = 2.0 * local
+    total = rows[-1]
+    before = np.zeros(np.shape(h))
     for row in rows[-2:0:-1]:
-        found, before = row + twice * found - before, found
-    found = rows[0] + local * found - before
+        total, before = row + twice * total - before, total
+    total = rows[0] + local * total - before
     with np.errstate(under="ignore"):
-        found = found * np.exp(-0.5 * np.maximum(within, 0.0) ** 2)
-    found = np.where(h > _FARTHEST, 0.0, np.where(np.isnan(h), h, found))
+        total = total * np.exp(-0.5 * np.maximum(within, 0.0) ** 2)
+    total = np.where(h > _FARTHEST, 0.0, np.where(np.isnan(h), h, total))
     deep = h < _NEAREST
     if deep.any():
-        found = np.where(deep, _deep(order / 2.0, np.maximum(-h, 1.0)), found)
-    return np.asarray(found)
+        total = np.where(deep, _deep(order / 2.0, np.maximum(-h, 1.0)), total)
+    return np.asarray(total)
 
 
 @cache
@@ -160,7 +165,8 @@ def _moment(order: int, h: Array) -> Array:
 
 def _deep(power: float, x: Array) -> Array:
     """Return ``int (z + x)^power phi(z) dz`` for large x: by the even moments of phi."""
-    term, total = np.ones(np.shape(x)), np.zeros(np.shape(x))
+    term = np.ones(np.shape(x))
+    total = np.zeros(np.shape(x))
     for k in range(1, 13):
         total = total + term
         n = power - 2.0 * (k - 1)
@@ -174,9 +180,9 @@ def _exponential(order: int, h: Array) -> Array:
 
     x = np.maximum(-h, 0.0)
     root = np.sqrt(x)
-    found = root + 0.5 * sqrt(pi) * erfcx(root)
+    total = root + 0.5 * sqrt(pi) * erfcx(root)
     for k in range(3, order + 1, 2):
-        found = x ** (k / 2.0) + k / 2.0 * found
+        total = x ** (k / 2.0) + k / 2.0 * total
     with np.errstate(under="ignore"):
         outside = gamma(order / 2.0 + 1.0) * np.exp(-np.maximum(h, 0.0))
-    return np.asarray(np.where(h > 0.0, outside, found))
+    return np.asarray(np.where(h > 0.0, outside, total))

@@ -18,7 +18,8 @@ _HIGHEST = 700.0
 _SHARE = 0.01
 #: Below this x the energy of `Exponential` is summed as a series, as its closed form cancels; and
 #: the power of x before which the sum ends.
-_SMALL, _TERMS = 0.5, 18
+_SMALL = 0.5
+_TERMS = 18
 _ZERO_PRESSURE = declared("pressure at overclosure 0", RANGE, "Pa")
 
 
@@ -163,7 +164,8 @@ class Exponential(Layer):
         small = x < _SMALL
         # (x - 1) e^x + 1 - x^2/2 = sum over n > 2 of x^n/n! (n - 1)
         near = np.where(small, x, 0.0)
-        term, series = near**2 / 2.0, np.zeros(np.shape(x))
+        term = near**2 / 2.0
+        series = np.zeros(np.shape(x))
         for n in range(3, _TERMS):
             term = term * near / n
             series = series + (n - 1.0) * term

@@ -121,12 +121,16 @@ class Layer(ABC):
         low = self.start if self.start > -inf else -size
         step = size
         while not less(low) and self.start == -inf:
-            low, step = low - step, 2.0 * step
-        high, step = max(low, 0.0) + size, size
+            low = low - step
+            step = 2.0 * step
+        high = max(low, 0.0) + size
+        step = size
         while less(high):
             if high == inf:
                 raise SceneError("pressure", pressure, "one that the law reaches")
-            low, high, step = high, high + step, 2.0 * step
+            low = high
+            high = high + step
+            step = 2.0 * step
         for _ in range(_STEPS):
             middle = 0.5 * (low + high)
             if not low < middle < high:

@@ -26,26 +26,28 @@ from spectral_contact.fields import Array
 from spectral_contact.io.checks import positive, reals
 
 #: McCool's number for the deviation of summits.
-_SUMMITS: Final = 0.8968
+_MCCOOL_NUMBER: Final = 0.8968
 #: Of the Gaussian filter of ISO 16610: its weight at the cut-off is one half.
-_GAUSSIAN: Final = math.sqrt(math.log(2.0) / math.pi)
+_FILTER_CONSTANT: Final = math.sqrt(math.log(2.0) / math.pi)
 #: Half width of the filter, in cut-offs.
-_WIDE: Final = 1.5
+_FILTER_HALF_WIDTH: Final = 1.5
 #: Factor by which the cut-off is changed for the sensitivities.
-_CHANGED: Final = 1.25
+_CUTOFF_FACTOR: Final = 1.25
 #: Range of heights over the mean plane and of spacings [m]: their moments, and products of these,
 #: stay in the range of doubles.
-_LENGTHS: Final = 1e-30, 1e30
+_LENGTH_RANGE: Final = 1e-30, 1e30
 #: Heights over a mean plane that are rounding, over the largest height.
-_FLAT: Final = 1e-13
-#: Blocks along a side, whose scatter tells the errors, and the fewest points along a side.
+_LEVEL_ROUNDING: Final = 1e-13
+#: Number of blocks along a side, from whose scatter errors are estimated.
 _BLOCKS: Final = 4
-_FEWEST: Final = 16
-#: More missing points than this fraction, a smaller bandwidth than this, and a larger sensitivity
-#: than this make the numbers doubtful, which a remark says.
-_MISSING: Final = 0.05
-_NARROW: Final = 1.5
-_SENSITIVE: Final = 0.5
+#: Least number of points along a side.
+_FEWEST_POINTS: Final = 16
+#: A remark says that the numbers are doubtful if more than this fraction of the points is missing,
+_DOUBTFUL_MISSING: Final = 0.05
+#: if the bandwidth is smaller than this,
+_LEAST_BANDWIDTH: Final = 1.5
+#: or if a sensitivity is larger than this.
+_DOUBTFUL_SENSITIVITY: Final = 0.5
 _NAMES: Final = ("density", "tip_radius", "height_deviation")
 
 
@@ -71,7 +73,7 @@ class SurfaceStatistics:
     sensitivity : dict of str to float
         Derivatives of their logarithms by that of the cut-off; 0 would be no dependence.
     point_count, missing : int
-        How many points there are, and how many of them have no height.
+        Number of points, and number of those without a height.
     """
 
     density: float
@@ -93,24 +95,26 @@ class SurfaceStatistics:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is doubtful about the numbers, one sentence each."""
-        found = []
+        """Doubts about the numbers, one sentence each."""
+        remarks = []
         if self.missing:
-            told = f"{self.missing} of {self.point_count} points are missing and left out"
-            dense = self.missing > _MISSING * self.point_count
-            found.append(f"{told}: the rest may not be the same surface." if dense else f"{told}.")
-        if self.bandwidth < _NARROW:
-            found.append(
-                f"The bandwidth {self.bandwidth:.3g} is below {_NARROW:g}, which no isotropic "
-                "Gaussian surface has: the summits are not those of the model."
+            sentence = f"{self.missing} of {self.point_count} points are missing and left out"
+            many = self.missing > _DOUBTFUL_MISSING * self.point_count
+            remarks.append(
+                f"{sentence}: the rest may not be the same surface." if many else f"{sentence}."
+            )
+        if self.bandwidth < _LEAST_BANDWIDTH:
+            remarks.append(
+                f"The bandwidth {self.bandwidth:.3g} is below {_LEAST_BANDWIDTH:g}, which no "
+                "isotropic Gaussian surface has: the summits are not those of the model."
             )
         for name, value in self.sensitivity.items():
-            if abs(value) > _SENSITIVE:
-                found.append(
+            if abs(value) > _DOUBTFUL_SENSITIVITY:
+                remarks.append(
                     f"{name} goes with the power {value:+.2f} of the cut-off: it is a number of "
                     "the measurement as much as of the surface."
                 )
-        return tuple(found)
+        return tuple(remarks)
 
 
 class _SpectralMoments(NamedTuple):
@@ -124,7 +128,7 @@ class _SpectralMoments(NamedTuple):
     def numbers(self) -> dict[str, float]:
         """Greenwood and Williamson's numbers."""
         bandwidth = self.height * self.curvature / self.slope**2
-        summits = max(1.0 - _SUMMITS / bandwidth, 0.0)
+        summits = max(1.0 - _MCCOOL_NUMBER / bandwidth, 0.0)
         values = (
             self.curvature / (6.0 * math.pi * math.sqrt(3.0) * self.slope),
             3.0 * math.sqrt(math.pi) / (8.0 * math.sqrt(self.curvature)),
@@ -189,9 +193,9 @@ def _heights(values: ArrayLike, dimensions: int) -> Array:
     given = reals("heights", values, "a height, or NaN", anything=True, unit="m")
     with np.errstate(over="ignore"):  # a long double may be beyond the doubles
         array = np.asarray(given + 0.0, dtype=np.float64)
-    if array.ndim != dimensions or min(array.shape, default=0) < _FEWEST:
-        told = "rows and columns" if dimensions == 2 else "a list"
-        raise SceneError("heights", values, f"{told} of {_FEWEST} heights or more")
+    if array.ndim != dimensions or min(array.shape, default=0) < _FEWEST_POINTS:
+        allowed = "rows and columns" if dimensions == 2 else "a list"
+        raise SceneError("heights", values, f"{allowed} of {_FEWEST_POINTS} heights or more")
     if np.isinf(array).any() or np.isnan(array).mean() > 0.5:
         raise SceneError("heights", values, "finite, and NaN at less than half of the points")
     return array
@@ -200,9 +204,9 @@ def _heights(values: ArrayLike, dimensions: int) -> Array:
 def _statistics(heights: Array, steps: list[float], cutoff: Any) -> SurfaceStatistics:
     level = _levelled(heights, steps)
     size = float(np.nanmax(np.abs(level)))
-    if not size > _FLAT * float(np.nanmax(np.abs(heights))):
+    if not size > _LEVEL_ROUNDING * float(np.nanmax(np.abs(heights))):
         raise SceneError("heights", size, "not all on one plane")
-    low, high = _LENGTHS
+    low, high = _LENGTH_RANGE
     for name, lengths in (("heights", [size]), ("spacing", steps)):
         if not low <= min(lengths) <= max(lengths) <= high:
             raise SceneError(name, lengths, f"in [{low:g}, {high:g}] m, as their squares count")
@@ -211,26 +215,26 @@ def _statistics(heights: Array, steps: list[float], cutoff: Any) -> SurfaceStati
         shortest = positive("cutoff", cutoff, "m")
         extent = min(step * count for step, count in zip(steps, level.shape, strict=True))
         if not 2.0 * max(steps) <= shortest <= extent / _BLOCKS:
-            told = f"in [{2.0 * max(steps):.4g}, {extent / _BLOCKS:.4g}] m"
+            allowed = f"in [{2.0 * max(steps):.4g}, {extent / _BLOCKS:.4g}] m"
             if extent < 2.0 * _BLOCKS * max(steps):
-                told = f"None: a side of {extent:.4g} m is too short for a filter of any points"
-                told += f" that are {max(steps):.4g} m apart"
-            raise SceneError("cutoff", cutoff, told)
+                allowed = f"None: a side of {extent:.4g} m is too short for a filter of any points"
+                allowed += f" that are {max(steps):.4g} m apart"
+            raise SceneError("cutoff", cutoff, allowed)
     reference = 5.0 * max(steps) if shortest is None else shortest
     filtered = level if shortest is None else _filtered(level, steps, shortest)
     moments = _moments(filtered, steps)
     if not (moments.slope > 0.0 and moments.curvature > 0.0):
-        told = "of a surface with slopes and curvatures, which take three heights in a row"
-        raise SceneError("heights", heights, told)
+        allowed = "of a surface with slopes and curvatures, which take three heights in a row"
+        raise SceneError("heights", heights, allowed)
     ends = [
         _moments(_filtered(level, steps, reference * factor), steps).numbers
-        for factor in (1.0 / _CHANGED, _CHANGED)
+        for factor in (1.0 / _CUTOFF_FACTOR, _CUTOFF_FACTOR)
     ]
     numbers = moments.numbers
     with np.errstate(all="ignore"):
         sensitivity = {
             name: float(np.log(np.divide(ends[1][name], ends[0][name])))
-            / (2.0 * math.log(_CHANGED))
+            / (2.0 * math.log(_CUTOFF_FACTOR))
             for name in _NAMES
         }
     return SurfaceStatistics(
@@ -250,28 +254,28 @@ def _levelled(heights: Array, steps: list[float]) -> Array:
     """Return heights over their mean line or plane."""
     places = np.meshgrid(*(np.arange(n) * 1.0 for n in heights.shape), indexing="ij")
     terms = np.stack([np.ones(heights.shape), *places], axis=-1)
-    there = ~np.isnan(heights)
-    found, *_ = np.linalg.lstsq(terms[there], heights[there], rcond=None)
-    return np.asarray(heights - terms @ found)
+    present = ~np.isnan(heights)
+    coefficients, *_ = np.linalg.lstsq(terms[present], heights[present], rcond=None)
+    return np.asarray(heights - terms @ coefficients)
 
 
 def _filtered(heights: Array, steps: list[float], cutoff: float) -> Array:
     """Return heights without wavelengths below the cut-off; no point counts beyond the edges."""
-    there = ~np.isnan(heights)
-    values = np.where(there, heights, 0.0)
-    weights = there.astype(float)
+    present = ~np.isnan(heights)
+    values = np.where(present, heights, 0.0)
+    weights = present.astype(float)
     for axis, step in enumerate(steps):
-        reach = max(math.ceil(_WIDE * cutoff / step), 1)
+        reach = max(math.ceil(_FILTER_HALF_WIDTH * cutoff / step), 1)
         reach = min(reach, (heights.shape[axis] - 1) // 2)
-        away = np.arange(-reach, reach + 1) * step / (_GAUSSIAN * cutoff)
-        kernel = np.exp(-math.pi * away**2)
+        scaled_distance = np.arange(-reach, reach + 1) * step / (_FILTER_CONSTANT * cutoff)
+        kernel = np.exp(-math.pi * scaled_distance**2)
 
         def smooth(line: Array, kernel: Array = kernel) -> Array:
             return np.convolve(line, kernel, mode="same")
 
         values = np.apply_along_axis(smooth, axis, values)
         weights = np.apply_along_axis(smooth, axis, weights)
-    return np.where(there, values / np.where(weights > 0.0, weights, 1.0), np.nan)
+    return np.where(present, values / np.where(weights > 0.0, weights, 1.0), np.nan)
 
 
 def _moments(heights: Array, steps: list[float]) -> _SpectralMoments:
@@ -288,15 +292,15 @@ def _moments(heights: Array, steps: list[float]) -> _SpectralMoments:
 
 def _mean_square(along_axes: list[Array]) -> float:
     """Return the mean over the axes of the mean squares along them; NaN if there is none."""
-    known = [one[np.isfinite(one)] for one in along_axes]
-    means = [float(np.mean(np.square(one))) for one in known if one.size]
+    finite_values = [values[np.isfinite(values)] for values in along_axes]
+    means = [float(np.mean(np.square(values))) for values in finite_values if values.size]
     return math.fsum(means) / len(means) if means else math.nan
 
 
 def _scatter(heights: Array, steps: list[float], numbers: dict[str, float]) -> dict[str, float]:
     """Return the relative standard deviations of the mean over parts of the measurement."""
     cuts = [np.array_split(np.arange(n), _BLOCKS) for n in heights.shape]
-    found: dict[str, list[float]] = {name: [] for name in numbers}
+    by_name: dict[str, list[float]] = {name: [] for name in numbers}
     for part in product(*cuts):
         block = heights[np.ix_(*part)]
         if np.isnan(block).mean() > 0.5:
@@ -305,11 +309,11 @@ def _scatter(heights: Array, steps: list[float], numbers: dict[str, float]) -> d
             moments = _moments(block, steps)
         if moments.slope > 0.0 and moments.curvature > 0.0 and moments.height > 0.0:
             for name, value in moments.numbers.items():
-                found[name].append(value)
-    count = len(found[_NAMES[0]])
+                by_name[name].append(value)
+    count = len(by_name[_NAMES[0]])
     if count < 2:
         return dict.fromkeys(numbers, math.inf)
     return {
         name: float(np.std(values, ddof=1)) / math.sqrt(count) / (numbers[name] or 1.0)
-        for name, values in found.items()
+        for name, values in by_name.items()
     }

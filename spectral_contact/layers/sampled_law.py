@@ -23,31 +23,34 @@ from spectral_contact.layers.layer_base import LawErrors, Layer
 
 Rows = tuple[tuple[float, ...], ...]
 
-#: Degrees that are tried, and how small the last coefficients of a fit must be, relative to the
-#: largest pressure on the piece.
-_DEGREES, _EXACT = (15, 31, 63, 127), 2e-14
+#: Degrees of a fit, which are tried in turn.
+_DEGREES = (15, 31, 63, 127)
+#: A fit is accepted if its last coefficients are at most this, relative to the largest pressure on
+#: the piece.
+_FIT_ACCURACY = 2e-14
 #: Estimated ratio of the sum of all terms that a series omits to the largest of its last
 #: coefficients.
-_OMITTED = 8.0
-#: Largest pressure at the start, and largest jump at a knot, in units of _EXACT times the largest
-#: pressure.
-_ZERO, _JUMP = 10.0, 1e3
+_OMITTED_FACTOR = 8.0
+#: Largest pressure at the start, in units of _FIT_ACCURACY times the largest pressure.
+_ZERO_TOLERANCE = 10.0
+#: Largest jump of the pressure at a knot, in the same units.
+_JUMP_TOLERANCE = 1e3
 #: Tolerance on a given derivative, relative to the largest derivative of the fit.
-_ALIKE = 1e-9
+_DERIVATIVE_TOLERANCE = 1e-9
 #: Number of points of every piece at which a law is checked, and of the whole law at which the
 #: derivative is.
 _SAMPLES = 257
 #: Relative difference below which the cubics on both sides of a point count as the same.
 _SAME_CUBIC = 1e-12
 #: Least points of a table.
-_LEAST = 4
+_LEAST_POINTS = 4
 
 
 def _checked(name: str, values: Any) -> tuple[float, ...]:
-    found = finite(name, values)
-    if not (np.diff(found) > 0.0).all():
+    numbers = finite(name, values)
+    if not (np.diff(numbers) > 0.0).all():
         raise SceneError(name, values, "numbers that increase")
-    return tuple(found.tolist())
+    return tuple(numbers.tolist())
 
 
 class _Pieces(Layer):
@@ -74,7 +77,7 @@ class _Pieces(Layer):
     def _edges(self) -> tuple[float, ...]:
         raise NotImplementedError
 
-    def _at(self, name: str, w: Array) -> Array:
+    def _piecewise(self, name: str, w: Array) -> Array:
         """Return the "pressure", "slope" or "energy"; beyond the limit, its value at the limit."""
         raise NotImplementedError
 
@@ -85,16 +88,21 @@ class _Pieces(Layer):
     def _pressure(self, w: Array) -> Array:
         w = np.asarray(w, dtype=float)
         past = np.maximum(w - self.limit, 0.0)
-        return self._at("pressure", w) + past * self._at("slope", np.array(self.limit))
+        return self._piecewise("pressure", w) + past * self._piecewise(
+            "slope", np.array(self.limit)
+        )
 
     def _slope(self, w: Array) -> Array:
-        return self._at("slope", np.asarray(w, dtype=float))
+        return self._piecewise("slope", np.asarray(w, dtype=float))
 
     def _energy(self, w: Array) -> Array:
         w = np.asarray(w, dtype=float)
-        past, end = np.maximum(w - self.limit, 0.0), np.array(self.limit)
-        more = past * self._at("pressure", end) + past**2 / 2.0 * self._at("slope", end)
-        return self._at("energy", w) + more
+        past = np.maximum(w - self.limit, 0.0)
+        end = np.array(self.limit)
+        energy_beyond = past * self._piecewise("pressure", end) + past**2 / 2.0 * self._piecewise(
+            "slope", end
+        )
+        return self._piecewise("energy", w) + energy_beyond
 
     def _law_errors(self, w: float, pressure: float, slope: float) -> LawErrors:
         """Return the errors of values up to an overclosure, of pressure and slope as given.
@@ -102,8 +110,8 @@ class _Pieces(Layer):
         That of the energy is the integral of the pressure's.
         """
         stiffness = float(self._slope(np.array(w)))
-        of_stiffness = slope / stiffness if stiffness > 0.0 else inf
-        return LawErrors(pressure, of_stiffness, (w - self.start) * pressure)
+        stiffness_error = slope / stiffness if stiffness > 0.0 else inf
+        return LawErrors(pressure, stiffness_error, (w - self.start) * pressure)
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,12 +139,12 @@ class Table(_Pieces):
 
     def __post_init__(self) -> None:
         w = _checked("overclosures", self.overclosures)
-        if len(w) < _LEAST:
+        if len(w) < _LEAST_POINTS:
             raise SceneError("overclosures", self.overclosures, "four numbers or more")
         p = _checked("pressures", self.pressures)
         if len(p) != len(w) or p[0] != 0.0:
-            told = f"{len(w)} numbers that increase from 0, one for each overclosure"
-            raise SceneError("pressures", self.pressures, told)
+            allowed = f"{len(w)} numbers that increase from 0, one for each overclosure"
+            raise SceneError("pressures", self.pressures, allowed)
         object.__setattr__(self, "overclosures", w)
         object.__setattr__(self, "pressures", p)
 
@@ -161,7 +169,7 @@ class Table(_Pieces):
             Whether the numbers are in m and Pa, or in the units of the headings, as a scene in SI
             units has them; by default they have no units.
         option : str
-            What `columns` is called where the user gave it, for errors.
+            Name of the argument or option by which the user gave `columns`, for errors.
 
         Raises
         ------
@@ -172,17 +180,20 @@ class Table(_Pieces):
         si_units = flag("si_units", si_units)
         option = instance("option", option, str)
         expected = [Expected(name, unit if si_units else "") for name, unit in units.items()]
-        found = read_columns(path, expected, columns=columns, option=option)
-        for name, values in found.values.items():
+        table = read_columns(path, expected, columns=columns, option=option)
+        for name, values in table.values.items():
             falls = np.flatnonzero(np.diff(values) <= 0.0)
             if falls.size:
-                line, before = found.lines[falls[0] + 1], found.lines[falls[0]]
-                told = f"line {line}: {name} does not increase from line {before}"
-                raise SolutionFileError(found.path, f"{told} ({name} from {found.sources[name]})")
+                line = table.lines[falls[0] + 1]
+                before = table.lines[falls[0]]
+                complaint = f"line {line}: {name} does not increase from line {before}"
+                raise SolutionFileError(
+                    table.path, f"{complaint} ({name} from {table.sources[name]})"
+                )
         try:
-            return cls(*(tuple(found.values[name].tolist()) for name in units))
+            return cls(*(tuple(table.values[name].tolist()) for name in units))
         except SceneError as error:
-            raise SolutionFileError(found.path, str(error)) from error
+            raise SolutionFileError(table.path, str(error)) from error
 
     def _over(self, unit: float) -> Self:
         return replace(self, pressures=tuple(p / unit for p in self.pressures))
@@ -196,7 +207,7 @@ class Table(_Pieces):
     def _edges(self) -> tuple[float, ...]:
         return self.overclosures
 
-    def _at(self, name: str, w: Array) -> Array:
+    def _piecewise(self, name: str, w: Array) -> Array:
         cubics = _cubics(self.overclosures, self.pressures)
         x = np.clip(w, self.start, self.limit) / cubics.unit
         factor = {"pressure": 1.0, "slope": 1.0 / cubics.unit, "energy": cubics.unit}[name]
@@ -208,12 +219,13 @@ class Table(_Pieces):
         # and ^1 are taken positive, these are at most 8 s_k/h^2, 12 s_k/h and 3 s_k. So rounding
         # acts on terms of the pressure whose sum is p_k + 23 s_k (w - w_k) at most, and on terms
         # of the slope whose sum is 51 s_k.
-        met = max(int(np.searchsorted(self.overclosures, w)), 1)
-        points, pressures = np.array(self.overclosures), np.array(self.pressures)
-        lines = (np.diff(pressures) / np.diff(points))[:met]
-        extents = np.minimum(w, points[1:][:met]) - points[:-1][:met]
+        pieces = max(int(np.searchsorted(self.overclosures, w)), 1)
+        points = np.array(self.overclosures)
+        pressures = np.array(self.pressures)
+        lines = (np.diff(pressures) / np.diff(points))[:pieces]
+        extents = np.minimum(w, points[1:][:pieces]) - points[:-1][:pieces]
         rounding = float(np.finfo(float).eps)
-        pressure = rounding * float((pressures[:-1][:met] + 23.0 * lines * extents).max())
+        pressure = rounding * float((pressures[:-1][:pieces] + 23.0 * lines * extents).max())
         slope = rounding * 51.0 * float(lines.max())
         return self._law_errors(w, pressure, slope)
 
@@ -285,8 +297,8 @@ class Sampled(_Pieces):
         given = listed("series", self.series, "lists of numbers, one for each piece")
         rows = tuple(tuple(finite("series", row).tolist()) for row in given)
         if len(edges) < 2 or len(rows) != len(edges) - 1 or not all(rows):
-            told = "one list of numbers for each piece between two edges"
-            raise SceneError("series", self.series, told)
+            allowed = "one list of numbers for each piece between two edges"
+            raise SceneError("series", self.series, allowed)
         object.__setattr__(self, "edges", edges)
         object.__setattr__(self, "series", rows)
         self._check()
@@ -308,7 +320,7 @@ class Sampled(_Pieces):
         pressure, derivative : callable
             The pressure in E' and its derivative in E'/L, at an array of overclosures in L.
         start, limit : float
-            Where the pressure begins, and up to which overclosure the functions are used.
+            Overclosures at which the pressure begins, and up to which the functions are used.
         knots : sequence of float
             Overclosures in between at which a derivative jumps: the law has to be smooth elsewhere.
 
@@ -320,10 +332,10 @@ class Sampled(_Pieces):
         """
         function("pressure", pressure, "overclosures")
         function("derivative", derivative, "overclosures")
-        inner = finite("knots", listed("knots", knots, "overclosures")).tolist()
+        inner_knots = finite("knots", listed("knots", knots, "overclosures")).tolist()
         first = real("start", start, allowed="finite")
         last = real("limit", limit, allowed="finite")
-        edges = _checked("start, knots, limit", (first, *inner, last))
+        edges = _checked("start, knots, limit", (first, *inner_knots, last))
         largest = float(np.abs(values_at("pressure", pressure, np.array([edges[-1]])))[0])
         rows = tuple(
             _fitted(pressure, low, high, at_high=largest if high == last else 0.0, largest=largest)
@@ -332,11 +344,14 @@ class Sampled(_Pieces):
         law = cls(edges, rows)
         w = np.linspace(edges[0], edges[-1], _SAMPLES)[1:-1]
         w = w[~np.isin(w, edges)]
-        given, own = values_at("derivative", derivative, w), law._slope(w)
-        off = ~(np.abs(given - own) <= _ALIKE * float(np.abs(own).max()))
-        if off.any():
-            told = f"{own[off][0]:.10g} at {w[off][0]:.6g}, the derivative of the pressure"
-            raise SceneError("derivative", float(given[off][0]), told)
+        given = values_at("derivative", derivative, w)
+        derived = law._slope(w)
+        wrong = ~(np.abs(given - derived) <= _DERIVATIVE_TOLERANCE * float(np.abs(derived).max()))
+        if wrong.any():
+            allowed = (
+                f"{derived[wrong][0]:.10g} at {w[wrong][0]:.6g}, the derivative of the pressure"
+            )
+            raise SceneError("derivative", float(given[wrong][0]), allowed)
         return law
 
     def _over(self, unit: float) -> Self:
@@ -346,7 +361,7 @@ class Sampled(_Pieces):
     def _edges(self) -> tuple[float, ...]:
         return self.edges
 
-    def _at(self, name: str, w: Array) -> Array:
+    def _piecewise(self, name: str, w: Array) -> Array:
         edges = np.array(self.edges)
         rows = getattr(_integrated(self.edges, self.series), name)
         pieces = np.clip(np.searchsorted(edges, w, side="right") - 1, 0, len(rows) - 1)
@@ -358,23 +373,24 @@ class Sampled(_Pieces):
         return np.where(w < edges[0], 0.0, values)
 
     def _errors(self, w: float) -> LawErrors:
-        met = max(int(np.searchsorted(self.edges, w)), 1)
+        pieces = max(int(np.searchsorted(self.edges, w)), 1)
         series = _integrated(self.edges, self.series)
-        omitted = [_omitted(row) for row in series.pressure[:met]]
-        # a fit is accepted if its last coefficients are _EXACT of its largest value, of which the
-        # sum of the moduli of its coefficients is a bound
+        omitted = [_omitted(row) for row in series.pressure[:pieces]]
+        # A fit is accepted if its last coefficients are _FIT_ACCURACY of its largest value. The sum
+        # of the moduli of its coefficients bounds that value.
         pressure = max(
-            _EXACT * float(np.abs(row).sum()) + more
-            for row, more in zip(series.pressure, omitted, strict=False)
+            _FIT_ACCURACY * float(np.abs(row).sum()) + omitted_part
+            for row, omitted_part in zip(series.pressure, omitted, strict=False)
         )
         slope = max(
-            _EXACT * float(np.abs(row).sum()) + more * len(row) ** 2 * 2.0 / (high - low)
-            for row, more, (low, high) in zip(
+            _FIT_ACCURACY * float(np.abs(row).sum())
+            + omitted_part * len(row) ** 2 * 2.0 / (high - low)
+            for row, omitted_part, (low, high) in zip(
                 series.slope, omitted, pairwise(self.edges), strict=False
             )
         )
-        # to the integral of the pressure's error comes the rounding of the energy's series
-        sums = [float(np.abs(row).sum()) for row in series.energy[:met]]
+        # the energy has the integral of the pressure's error, and the rounding of its own series
+        sums = [float(np.abs(row).sum()) for row in series.energy[:pieces]]
         rounding = float(np.finfo(float).eps) * max(sums)
         errors = self._law_errors(w, pressure, slope)
         return errors._replace(energy=errors.energy + rounding)
@@ -383,20 +399,23 @@ class Sampled(_Pieces):
         w = np.concatenate([np.linspace(*ends, _SAMPLES) for ends in pairwise(self.edges)])
         local = np.linspace(-1.0, 1.0, _SAMPLES)
         p = np.concatenate([chebyshev.chebval(local, row) for row in self.series])
-        slack = _EXACT * float(np.abs(p).max())
-        if not abs(p[0]) <= _ZERO * slack:
+        slack = _FIT_ACCURACY * float(np.abs(p).max())
+        if not abs(p[0]) <= _ZERO_TOLERANCE * slack:
             raise SceneError("pressure", float(p[0]), f"0 at the start, {w[0]:.6g}")
         if not p[-1] > 0.0:
             raise SceneError("pressure", float(p[-1]), f"positive at the limit, {w[-1]:.6g}")
         falls = np.diff(p) < -slack
         if falls.any():
             worst = int(np.flatnonzero(falls)[0])
-            told = f"increasing with the overclosure, which it is not at {w[worst]:.6g}"
-            raise SceneError("pressure", float(p[worst + 1]), told)
-        jumps = np.abs(p[_SAMPLES::_SAMPLES] - p[_SAMPLES - 1 : -1 : _SAMPLES]) > _JUMP * slack
+            allowed = f"increasing with the overclosure, which it is not at {w[worst]:.6g}"
+            raise SceneError("pressure", float(p[worst + 1]), allowed)
+        jumps = (
+            np.abs(p[_SAMPLES::_SAMPLES] - p[_SAMPLES - 1 : -1 : _SAMPLES])
+            > _JUMP_TOLERANCE * slack
+        )
         if jumps.any():
-            where = self.edges[1 + int(np.flatnonzero(jumps)[0])]
-            raise SceneError("pressure", "a jump", f"continuous, also at {where:.6g}")
+            knot = self.edges[1 + int(np.flatnonzero(jumps)[0])]
+            raise SceneError("pressure", "a jump", f"continuous, also at {knot:.6g}")
 
 
 def _omitted(row: Sequence[float]) -> float:
@@ -407,12 +426,13 @@ def _omitted(row: Sequence[float]) -> float:
     if len(row) - 1 not in _DEGREES:
         return 0.0
     sizes = np.abs(row)
-    last, accepted = float(sizes[-3:].max()), _EXACT * float(sizes.sum())
+    last = float(sizes[-3:].max())
+    accepted = _FIT_ACCURACY * float(sizes.sum())
     if len(row) <= _DEGREES[-1]:
         last = min(last, accepted)
     if last > accepted:  # it is not resolved
         return 2.0 * float(sizes[len(sizes) // 2 :].sum())
-    return _OMITTED * last
+    return _OMITTED_FACTOR * last
 
 
 class _Series(NamedTuple):
@@ -425,7 +445,9 @@ class _Series(NamedTuple):
 
 @cache
 def _integrated(edges: tuple[float, ...], rows: Rows) -> _Series:
-    slopes, energies, total = [], [], 0.0
+    slopes = []
+    energies = []
+    total = 0.0
     for (low, high), row in zip(pairwise(edges), rows, strict=True):
         half = (high - low) / 2.0
         slopes.append(tuple((chebyshev.chebder(row) / half).tolist()))
@@ -457,18 +479,18 @@ def _fitted(
         consist of rounding, which no polynomial fits: then the series of the largest degree is
         taken, if its last coefficients are small beside the largest pressure.
     """
-    # first the omitted terms, too, are to be within _EXACT; where rounding prevents that, the last
-    # coefficients alone
-    for part, degree in product((_EXACT / _OMITTED, _EXACT), _DEGREES):
+    # At first the estimate of the omitted terms has to be within _FIT_ACCURACY. Where rounding
+    # prevents that, only the last coefficients have to be.
+    for accuracy, degree in product((_FIT_ACCURACY / _OMITTED_FACTOR, _FIT_ACCURACY), _DEGREES):
         nodes = chebyshev.chebpts1(degree + 1)
         values = values_at("pressure", pressure, low + (high - low) * (1.0 + nodes) / 2.0)
         if not np.isfinite(values).all():
             raise SceneError("pressure", float(values[~np.isfinite(values)][0]), "finite")
         row = chebyshev.chebfit(nodes, values, degree)
         tail = float(np.abs(row[-3:]).max())
-        if tail <= part * max(at_high, float(np.abs(values).max())):
+        if tail <= accuracy * max(at_high, float(np.abs(values).max())):
             return tuple(row.tolist())
-    if tail <= _EXACT * largest:
+    if tail <= _FIT_ACCURACY * largest:
         return tuple(row.tolist())
-    told = f"smooth between its knots: on [{low:.6g}, {high:.6g}] a polynomial does not fit it"
-    raise SceneError("pressure", "a function", told)
+    allowed = f"smooth between its knots: on [{low:.6g}, {high:.6g}] a polynomial does not fit it"
+    raise SceneError("pressure", "a function", allowed)

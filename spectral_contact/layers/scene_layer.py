@@ -41,7 +41,8 @@ def check_layer(scene: Mapping[str, Any]) -> None:
         told = "None or 0 with a layer that is none of the library's"
         raise SceneError("friction", scene["friction"], told)
     if isinstance(layer, Linear):
-        low, high = SMALLEST_COMPLIANCE, LARGEST_COMPLIANCE
+        low = SMALLEST_COMPLIANCE
+        high = LARGEST_COMPLIANCE
         if not low <= layer.compliance <= high:
             raise SceneError("layer", layer, f"of a compliance α E'/L in [{low:g}, {high:g}]")
     if scene["normal_compliance"]:
@@ -85,7 +86,8 @@ def in_own_units(law: Any, modulus: float) -> Layer:
 
 def _check_friction(scene: Mapping[str, Any]) -> None:
     """Refuse friction, except full stick under a flat punch, whose contact area does not change."""
-    flat, friction = isinstance(scene["profile"], Flat), scene["friction"]
+    flat = isinstance(scene["profile"], Flat)
+    friction = scene["friction"]
     if friction and not flat:
         told = "None or 0 with a layer and this profile: the traction of a growing contact is a "
         told += "superposition of flat punches, which holds for linear layers only"

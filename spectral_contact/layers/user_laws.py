@@ -59,12 +59,15 @@ def _checked(law: Layer) -> Layer:
     _check_range(law)
     w = _places(law)
     with np.errstate(all="ignore"):
-        p, slope = law._pressure(w), law._slope(w)
+        p = law._pressure(w)
+        slope = law._slope(w)
         for name, values in (("_pressure", p), ("_slope", slope)):
             if np.shape(values) != w.shape or np.asarray(values).dtype != np.float64:
                 _refuse(law, f"one whose {name} takes and returns arrays of doubles")
         some = np.isfinite(p) & (p < 1e150) & (p > 1e-150)
-    w, p, slope = w[some], p[some], slope[some]
+    w = w[some]
+    p = p[some]
+    slope = slope[some]
     if len(w) < 4:
         _refuse(law, "one with a pressure at overclosures that go with its _size")
     wrong = np.flatnonzero(~(np.diff(p) > 0.0))
@@ -112,7 +115,9 @@ def _check_slope(law: Layer, w: Array, slope: Array) -> None:
     far = np.ones(len(w), dtype=bool)
     for knot in (*law.knots, law.limit, law.start):
         far &= np.abs(w - knot) > 2.0 * step if isfinite(knot) else far
-    w, slope, step = w[far], slope[far], step[far]
+    w = w[far]
+    slope = slope[far]
+    step = step[far]
     with np.errstate(all="ignore"):
         rise = law._pressure(w + step) - law._pressure(w - step)
         off = np.abs(rise / (2.0 * step) - slope)

@@ -88,16 +88,20 @@ class Blocks:
 
     def __init__(self, fixed: Fixed, width: float, points: int, digits: int) -> None:
         f = self.fixed = fixed
-        self.width, self.points, self.digits = width, points, digits
+        self.width = width
+        self.points = points
+        self.digits = digits
         h = self._h = f.of(width)
         g, self.weights = f.gauss(points)
-        self.offset, self.root = f.times(h, f.one + g) // 2, (f.one + g) // 2
+        self.offset = f.times(h, f.one + g) // 2
+        self.root = (f.one + g) // 2
         self.expand = f.expansion(points)
         self.limit = (1 - 2 * (np.arange(points) % 2)).astype(object) @ self.expand
         self._rule = points + ceil(0.75 * digits) + 8
         to_end = h - self.offset
         depth = -2 * f.map(f.mp.log, self.root)
-        one, shallow = 0 * g + f.one, f.exp(to_end // 2)
+        one = 0 * g + f.one
+        shallow = f.exp(to_end // 2)
         full = f.map(f.mp.acosh, f.over(one, self.root))
         quarter = f.map(f.mp.asin, f.over(one, shallow))
         right = f.times(one, f.of(f.mp.pi)) // 2
@@ -193,10 +197,14 @@ class AnnulusMesh:
 
     def __init__(self, blocks: Blocks, before: int, after: int, *, pole: bool = False) -> None:
         f = self.fixed = blocks.fixed
-        self.blocks, self.before, self.after, self._pole = blocks, before, after, pole
+        self.blocks = blocks
+        self.before = before
+        self.after = after
+        self._pole = pole
         h = f.of(blocks.width)
         self.panels = before + after
-        self.inner_end, self.outer_end = f.exp(-h * before), f.exp(-h * after)
+        self.inner_end = f.exp(-h * before)
+        self.outer_end = f.exp(-h * after)
         root = blocks.root
         x = h * np.arange(-before, after, dtype=object)[:, None] + blocks.offset
         odds = np.empty((self.panels + 2, blocks.points), dtype=object)
@@ -206,7 +214,8 @@ class AnnulusMesh:
         small = f.over(odds, f.one + odds)
         large = f.over(f.one, f.one + odds)
         inside = np.arange(len(odds))[:, None] <= before
-        self.above, self.below = np.where(inside, small, large), np.where(inside, large, small)
+        self.above = np.where(inside, small, large)
+        self.below = np.where(inside, large, small)
         dx = np.empty_like(self.above)
         dx[1:-1] = f.times(blocks.weights, h) // 2
         dx[0] = f.over(blocks.weights, root)
@@ -241,10 +250,14 @@ class AnnulusMesh:
 
     def half_integral(self, values: Ints) -> Ints:
         """Return ``1/2 int_{z > t^2} psi dz / sqrt(z - t^2)`` at the nodes, of values there."""
-        f, b, cells = self.fixed, self.blocks, len(values)
+        f = self.fixed
+        b = self.blocks
+        cells = len(values)
         blocks = b.poled if self._pole else b.near
-        weighted, masses = f.times(values, self._near_weight), f.times(values, self._far_weight)
-        result, far = np.empty_like(values), 0 * b.decay
+        weighted = f.times(values, self._near_weight)
+        masses = f.times(values, self._far_weight)
+        result = np.empty_like(values)
+        far = 0 * b.decay
         for c in reversed(range(cells)):
             total = 0 * b.offset
             for block, source in zip(blocks.at(c, self.panels), weighted[c : c + 2], strict=True):
@@ -271,12 +284,14 @@ class AnnulusMesh:
 
     def limits(self, values: Ints) -> tuple[Any, Any]:
         """Return the values at the inner and the outer end, from those at the nodes."""
-        f, limit = self.fixed, self.blocks.limit
+        f = self.fixed
+        limit = self.blocks.limit
         return f.dot(limit, values[0]), f.dot(limit[::-1], values[-1])
 
     def matrix(self) -> Array:
         """Return the matrix of `half_integral` in double precision, (nodes, nodes)."""
-        f, m = self.fixed, self.blocks.points
+        f = self.fixed
+        m = self.blocks.points
         x = -np.log(f.floats(self.below) / f.floats(self.above)).ravel()
         cell = np.arange(len(x)) // m
         far = cell[None, :] - cell[:, None] >= 2
@@ -284,10 +299,12 @@ class AnnulusMesh:
         rows, columns = np.nonzero(far)
         matrix[rows, columns] = 0.5 / np.sqrt(-np.expm1(x[rows] - x[columns]))
         matrix *= f.floats(self._far_weight).ravel()
-        weight, blocks = f.floats(self._near_weight).ravel(), self.blocks.doubles(pole=self._pole)
+        weight = f.floats(self._near_weight).ravel()
+        blocks = self.blocks.doubles(pole=self._pole)
         for c in range(self.panels + 2):
             for k, block in enumerate(blocks.at(c, self.panels)):
-                own, part = slice(c * m, (c + 1) * m), slice((c + k) * m, (c + k + 1) * m)
+                own = slice(c * m, (c + 1) * m)
+                part = slice((c + k) * m, (c + k + 1) * m)
                 matrix[own, part] = block * weight[part]
         return np.asarray(matrix / np.sqrt(f.floats(self.below)).reshape(-1, 1))
 
@@ -319,8 +336,10 @@ class PreciseAnnulusSeries:
 
     def at(self, above: Any, below: Any) -> Ints:
         """Evaluate where the distances in ``s**2`` from the two ends are these, 1-d arrays."""
-        f, mesh = self.mesh.fixed, self.mesh
-        h, last = f.of(mesh.blocks.width), mesh.panels + 1
+        f = self.mesh.fixed
+        mesh = self.mesh
+        h = f.of(mesh.blocks.width)
+        last = mesh.panels + 1
         inside = (above < below).astype(bool)
         odds = f.over(np.minimum(above, below), np.maximum(above, below))
         x = np.empty(len(odds), dtype=object)

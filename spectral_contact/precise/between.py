@@ -40,7 +40,8 @@ class Between:
         self, inner: AnnulusMesh, outer: AnnulusMesh, widths: tuple[Any, Any], gap: Any
     ) -> None:
         # the cells of either annulus are counted away from the gap
-        first, second = _Cells(inner.reflected, widths[0], 0), _Cells(outer, widths[1], gap)
+        first = _Cells(inner.reflected, widths[0], 0)
+        second = _Cells(outer, widths[1], gap)
         near = _near(first, second)
         ends = _EndExpansion(first, second), _EndExpansion(second, first)
         self._to_inner = _Sums(first, second, near, ends)
@@ -72,14 +73,18 @@ class _Cells:
 
     def __init__(self, mesh: AnnulusMesh, width: Any, gap: Any) -> None:
         f = self.fixed = mesh.fixed
-        self.mesh, self.width, self.gap, self.end = mesh, width, gap, gap + width
+        self.mesh = mesh
+        self.width = width
+        self.gap = gap
+        self.end = gap + width
         self.distance = gap + f.times(width, mesh.above)
         rest = f.times(width, mesh.below)
         self.masses = f.times(width, mesh.weights) // 2
         limit = f.times(f.of(_RATIO), self.end)
         count = self.count = int(np.sum(rest.max(axis=1) > limit))
         graded = self.distance[:count]
-        self.low, self.high = graded.min(axis=1), graded.max(axis=1)
+        self.low = graded.min(axis=1)
+        self.high = graded.max(axis=1)
         self.terms = ceil((mesh.blocks.digits + 6) / -log(_RATIO, 10.0)) + 1
         #: powers of the ratio of a node's distance to the largest one in its cell, and of the ratio
         #: of the least one in the cell to the node's
@@ -107,14 +112,16 @@ class _EndExpansion:
     """
 
     def __init__(self, targets: _Cells, sources: _Cells) -> None:
-        f, distance = targets.fixed, sources.end + targets.distance
+        f = targets.fixed
+        distance = sources.end + targets.distance
         self.powers = targets.powers(f.over(sources.end, distance))
         self.roots = f.inverse_root(distance)
 
 
 def _near(targets: _Cells, sources: _Cells) -> dict[tuple[int, int], Ints]:
     """Return the kernel between the cells, target and source, at like distances from the gap."""
-    f, found = targets.fixed, {}
+    f = targets.fixed
+    found = {}
     farthest = f.over(targets.high, f.of(_RATIO))
     for t, nearest in enumerate(f.times(f.of(_RATIO), targets.low)):
         for s in range(int(np.sum(sources.high <= nearest)), sources.count):
@@ -146,7 +153,9 @@ class _Sums:
         ends: tuple[_EndExpansion, _EndExpansion],
     ) -> None:
         f = self._fixed = targets.fixed
-        self._targets, self._sources, self._near = targets, sources, near
+        self._targets = targets
+        self._sources = sources
+        self._near = near
         self._source_end, self._target_end = ends
         neighbours = targets.gap == sources.gap == 0
         self._tail = _tail(targets, sources) if neighbours else None
@@ -157,7 +166,8 @@ class _Sums:
         self._alternating = self._binomials * (1 - 2 * (np.arange(sources.terms) % 2)).astype(
             object
         )
-        high, low = sources.high, sources.low
+        high = sources.high
+        low = sources.low
         # factors of sums over cells that are passed on to the next cell, away from the gap and back
         self._to_farther = sources.powers(f.over(high[:-1], high[1:]))
         self._to_nearer = sources.powers(f.over(low[:-1], low[1:]))
@@ -168,7 +178,9 @@ class _Sums:
 
     def __call__(self, values: Ints) -> Ints:
         """Return the sums."""
-        f, sources, near = self._fixed, self._sources, self._targets.count
+        f = self._fixed
+        sources = self._sources
+        near = self._targets.count
         far = f.times(values, sources.masses)[sources.count :]
         ends = f.dot(far.ravel(), self._flat(sources.about_end))
         about = f.dot(self._source_end.powers, f.times(self._binomials, ends))
@@ -187,7 +199,10 @@ class _Sums:
 
     def _graded(self, values: Ints) -> Ints:
         """Return the sums between the first `count` cells of sources and of targets."""
-        f, targets, sources, count = self._fixed, self._targets, self._sources, len(values)
+        f = self._fixed
+        targets = self._targets
+        sources = self._sources
+        count = len(values)
         masses = f.times(values, sources.masses[:count])
         outer = f.times(values, self._masses_over_root)
         # cells are in the order of their distances from the gap
@@ -224,7 +239,8 @@ class _Sums:
 
     def matrix(self) -> Array:
         """Return the matrix in double precision."""
-        f, m = self._fixed, self._targets.mesh.blocks.points
+        f = self._fixed
+        m = self._targets.mesh.blocks.points
         near = f.floats(self._targets.distance).ravel()
         far = f.floats(self._sources.distance).ravel()
         matrix = f.floats(self._sources.masses).ravel() / np.sqrt(near[:, None] + far)
@@ -239,8 +255,10 @@ def _tail(targets: _Cells, sources: _Cells) -> Ints:
     If the target is at the distance e from the gap, and the source at ``e sinh(theta)^2``, the
     integrand is entire in theta.
     """
-    f, mesh = sources.mesh.fixed, sources.mesh
-    blocks, width = mesh.blocks, sources.width
+    f = sources.mesh.fixed
+    mesh = sources.mesh
+    blocks = mesh.blocks
+    width = sources.width
     end = mesh.inner_end
     root = f.sqrt(targets.distance[0])[:, None]
     limit = f.sqrt(f.over(f.times(width, end), f.one + end))

@@ -40,7 +40,8 @@ if TYPE_CHECKING:
 
 _Solve: TypeAlias = "Callable[..., Solution]"
 
-#: How many digits beyond those asked for the solution aims at, and the width of its panels.
+#: The solution aims at this many digits more than are asked for (first number), on panels of this
+#: width (second number).
 _SOLUTION = (4, 2.0)
 #: The same of the second solution, which checks it.
 _CHECK = (2, 1.5)
@@ -48,12 +49,12 @@ _MOST_DIGITS = 60
 #: Tolerance of the solution in double precision of a contact on a nonlinear layer.
 _DOUBLE = 1e-11
 #: A contact without an edge is cut off where the pressure is below the largest one by the digits
-#: asked for and so many more.
-_SPARE = 8
+#: asked for and this many more.
+_SPARE_DIGITS = 8
 #: Steps of bisection for the radius of the cut: 40 give it twelve digits.
-_STEPS = 40
-#: Where in a stick zone the tractions are compared, as shares of its width.
-_SHARES = (1e-9, 1e-3, 0.25, 0.5, 0.75, 0.999, 1.0 - 1e-9)
+_BISECTIONS = 40
+#: Places in a stick zone at which tractions are compared, as fractions of its width.
+_STICK_PLACES = (1e-9, 1e-3, 0.25, 0.5, 0.75, 0.999, 1.0 - 1e-9)
 
 
 def certified(
@@ -79,14 +80,14 @@ def certified(
         raise SceneError("separation", scene.separation, allowed)
     with ProgressLine(progress) as tell, one_thread():
         if scene.profile is not None:
-            return _pressed(scene, digits, solve, tell)
-        return _on_zones(scene, digits, solve, tell)
+            return _under_profile(scene, digits, solve, tell)
+        return _flat_punch(scene, digits, solve, tell)
 
 
-def _on_zones(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> ReferenceSolution:
+def _flat_punch(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> ReferenceSolution:
     """Solve on two meshes and compare."""
     began = perf_counter()
-    asked = scene
+    given_scene = scene
     # with the sign of kappa traction and shear change theirs, and nothing else changes
     if scene.mismatch is not None:
         scene = scene.replace(kappa=abs(scene.mismatch), physical=None)
@@ -101,16 +102,16 @@ def _on_zones(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> R
     error, worst = _compare(run, check)
     run.fixed.mp.dps = digits + 3
     solution = ReferenceSolution(
-        asked,
+        given_scene,
         digits,
         run.approach,
-        -run.total_shear if (asked.mismatch or 0.0) < 0.0 else run.total_shear,
+        -run.total_shear if (given_scene.mismatch or 0.0) < 0.0 else run.total_shear,
         run.radius[0] if scene.friction is not None else None,
         _zones(run),
         run.edge_ratio(),
         run.opening,
         error,
-        _met(worst, digits),
+        _has_digits(worst, digits),
         run.unknowns,
         run.fixed.bits,
         perf_counter() - began,
@@ -121,7 +122,7 @@ def _on_zones(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> R
     return _certified(solution, worst)
 
 
-def _met(worst: float, digits: int) -> bool:
+def _has_digits(worst: float, digits: int) -> bool:
     """Return whether the largest error leaves that many digits."""
     return worst <= 10.0**-digits
 
@@ -137,12 +138,14 @@ def _certified(solution: ReferenceSolution, worst: float) -> ReferenceSolution:
     return solution
 
 
-def _pressed(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> ReferenceSolution:
+def _under_profile(
+    scene: Scene, digits: int, solve: _Solve, tell: ProgressLine
+) -> ReferenceSolution:
     """Solve a scene with a profile on two meshes with different precisions, and compare."""
     began = perf_counter()
     tell("contact radius, in double precision", 0.0)
     start = None if scene.layer is None else _initial_contact(scene, digits, solve)
-    guess = _guessed(scene, start, solve)
+    guess = _guess_of_radius(scene, start, solve)
     first, second = (_steps_on_mesh(number, tell) for number in (1, 2))
     run = PreciseProfileRun(scene, digits + _SOLUTION[0], _SOLUTION[1], guess, first, start)
     tell("", 0.55)
@@ -152,8 +155,11 @@ def _pressed(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> Re
     error, worst = compared(run, check)
     run.mp.dps = digits + 3
     values = {name: +run.mp.mpf(value) for name, value in run.values.items()}
-    zero, one = run.mp.zero, run.mp.one
-    radius, zones, ratio = None, tuple[Zone, ...](), None
+    zero = run.mp.zero
+    one = run.mp.one
+    radius = None
+    zones = tuple[Zone, ...]()
+    ratio = None
     if scene.friction is not None:  # one zone, stick or slip, and no traction in it
         sticks = scene.kappa == 0.0
         zones = (Zone("stick" if sticks else "slip", zero, one, one, zero),)
@@ -168,7 +174,7 @@ def _pressed(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> Re
         edge_ratio=ratio,
         opening=None,
         error=error,
-        converged=_met(worst, digits),
+        converged=_has_digits(worst, digits),
         unknowns=run.unknowns,
         bits=run.bits,
         seconds=perf_counter() - began,
@@ -179,45 +185,46 @@ def _pressed(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> Re
     return _certified(solution, worst)
 
 
-def _guessed(scene: Scene, start: InitialContact | None, solve: _Solve) -> float:
+def _guess_of_radius(scene: Scene, start: InitialContact | None, solve: _Solve) -> float:
     """Return the contact radius in double precision, or the approach where that is the unknown."""
     if _has_traction(scene):
         raise NotComputedError("the reference", "with a profile it solves normal contact alone")
     if isinstance(scene.profile, Flat) and scene.layer is None:
-        told = "the flat punch with a linear layer is a scene without profile"
+        reason = "the flat punch with a linear layer is a scene without profile"
         if scene.work_of_adhesion is not None:
-            told += ", and adhesion changes nothing of it but how far it can be pulled"
-        raise NotComputedError("the reference", told)
+            reason += ", and adhesion changes nothing of it but how far it can be pulled"
+        raise NotComputedError("the reference", reason)
     if scene.contact_radius is not None:
         return scene.contact_radius
     if start is not None:
         return start.approach if start.cuts or isinstance(scene.profile, Flat) else start.radius
-    found = solve(scene, 1e-12, ("contact_radius",), strict=False)
-    return float(found.contact_radius)
+    double = solve(scene, 1e-12, ("contact_radius",), strict=False)
+    return float(double.contact_radius)
 
 
 def _initial_contact(scene: Scene, digits: int, solve: _Solve) -> InitialContact:
     """Return a contact through a nonlinear layer in double precision."""
-    layer, profile = scene.layer, scene.profile
+    layer = scene.layer
+    profile = scene.profile
     assert layer is not None
     assert profile is not None
     law_of(MPContext(), layer)  # raises an error for laws that are not solved
     if _has_traction(scene):
         raise NotComputedError("the reference", "with a profile it solves normal contact alone")
-    found = solve(scene, _DOUBLE, ("approach", "contact_radius", "pressure"), strict=False)
+    double = solve(scene, _DOUBLE, ("approach", "contact_radius", "pressure"), strict=False)
     grid = np.concatenate([[0.0], np.geomspace(1e-9, 1.0, 200)])
-    most = layer.overclosure(float(np.max(found.pressure(from_edge=grid))))
+    most = layer.overclosure(float(np.max(double.pressure(from_edge=grid))))
     thin = 1.0 / float(layer.stiffness(most))
     if not endless(scene):
         return InitialContact(
-            found.contact_radius, found.approach, lambda d: found.pressure(from_edge=d), thin
+            double.contact_radius, double.approach, lambda d: double.pressure(from_edge=d), thin
         )
-    cells = setting_at_approach(profile, layer, found.approach).cells
+    cells = setting_at_approach(profile, layer, double.approach).cells
     if cells is None:
-        told = "without a contact edge, profile and law must have no tips, breaks or bends"
-        raise NotComputedError("the reference", told)
-    domain = found.domain_radius
-    radius = _domain(scene, found.approach, most, digits)
+        reason = "without a contact edge, profile and law must have no tips, breaks or bends"
+        raise NotComputedError("the reference", reason)
+    domain = double.domain_radius
+    radius = _domain(scene, double.approach, most, digits)
     ends = domain * np.sqrt(np.array(cells.offsets[1:-1]) + cells.pivot.square)
     cuts = [*ends.tolist(), domain]
     # beyond the domain in doubles, parts no wider than half of it
@@ -225,9 +232,9 @@ def _initial_contact(scene: Scene, digits: int, solve: _Solve) -> InitialContact
 
     def pressure(from_edge: Any) -> Any:
         s = (1.0 - from_edge) * radius / domain
-        return np.where(s < 1.0, found.pressure(np.minimum(s, 1.0)), 0.0)
+        return np.where(s < 1.0, double.pressure(np.minimum(s, 1.0)), 0.0)
 
-    return InitialContact(radius, found.approach, pressure, thin, tuple(cuts))
+    return InitialContact(radius, double.approach, pressure, thin, tuple(cuts))
 
 
 def _domain(scene: Scene, approach: float, most: float, digits: int) -> float:
@@ -235,17 +242,18 @@ def _domain(scene: Scene, approach: float, most: float, digits: int) -> float:
 
     `most` is the largest overclosure of the layer.
     """
-    layer, profile = scene.layer, scene.profile
+    layer = scene.layer
+    profile = scene.profile
     assert layer is not None
     assert profile is not None
-    room = approach - layer.overclosure(layer.pressure(most) * 10.0 ** -(digits + _SPARE))
+    room = approach - layer.overclosure(layer.pressure(most) * 10.0 ** -(digits + _SPARE_DIGITS))
     high = 1.0
     while profile.height(high) < room:
         high *= 2.0
     while profile.height(high / 2.0) >= room > 0.0:
         high /= 2.0
     low = high / 2.0
-    for _ in range(_STEPS):
+    for _ in range(_BISECTIONS):
         middle = (low + high) / 2.0
         low, high = (middle, high) if profile.height(middle) < room else (low, middle)
     return high
@@ -261,14 +269,15 @@ def _layout(scene: Scene, solve: _Solve) -> PreciseLayout | None:
     if not _has_traction(scene):
         return None
     if scene.couples:
-        _check_stuck(scene, solve)
+        _check_full_stick(scene, solve)
         return PreciseLayout((0,), ())
     solution = solve(scene, 1e-9, ("zones", "traction"), strict=False)
     zones = solution.zones
     middles = [(z.inner_from_edge + z.outer_from_edge) / 2.0 for z in zones]
     signs = np.sign(solution.traction(from_edge=middles)).astype(int).tolist()
     states = [0 if zone.kind == "stick" else sign for zone, sign in zip(zones, signs, strict=True)]
-    compliance, error = scene.tangential_compliance, solution.error.zones
+    compliance = scene.tangential_compliance
+    error = solution.error.zones
     if states[0] != 0 or (len(states) > 2 and compliance == 0.0):
         kinds = ", ".join(zone.kind for zone in zones)
         raise NotComputedError("the reference", f"its zones are {kinds}")
@@ -289,7 +298,7 @@ def _has_traction(scene: Scene) -> bool:
     return bool(scene.friction) and scene.kappa != 0.0
 
 
-def _check_stuck(scene: Scene, solve: _Solve) -> None:
+def _check_full_stick(scene: Scene, solve: _Solve) -> None:
     """Raise an error if a coupled scene slips."""
     friction = scene.friction
     assert friction is not None
@@ -305,7 +314,8 @@ def _check_stuck(scene: Scene, solve: _Solve) -> None:
 
 def _zones(run: PreciseRun | PreciseCoupledRun) -> tuple[Zone, ...]:
     """Return the zones; their ends are numbers of mpmath."""
-    scene, mp = run.scene, run.fixed.mp
+    scene = run.scene
+    mp = run.fixed.mp
     if scene.friction is None:
         return ()
     ends = [(mp.zero, mp.one), *run.radii, (mp.one, mp.zero)]
@@ -330,7 +340,8 @@ def _compare(
 
     def error(a: Any, b: Any, sizes: Any = None) -> float:
         """Return the largest difference, relative to `b` or to sizes of its own."""
-        a, b = np.atleast_1d(a), np.atleast_1d(b)
+        a = np.atleast_1d(a)
+        b = np.atleast_1d(b)
         pairs = zip(a, b, b if sizes is None else sizes, strict=True)
         ratios = [abs((v - mp.mpf(w)) / mp.mpf(size)) for v, w, size in pairs if v != w]
         return max(2.0 * float(max(ratios, default=0.0)), floor)
@@ -338,20 +349,25 @@ def _compare(
     depths = np.concatenate([np.linspace(0.02, 0.98, 25), np.exp(-np.linspace(1.0, run.depth, 60))])
     depths = np.array([mp.mpf(v) for v in depths])
     # inside the stick zones, too, however narrow
-    shares = np.array([mp.mpf(v) for v in _SHARES])
-    stuck = [z for z in _zones(run) if z.kind == "stick"]
-    inside = [1 - depths, *(z.inner + (z.outer - z.inner) * shares for z in stuck)]
-    s, depths = np.concatenate(inside), np.concatenate([depths, *(1 - v for v in inside[1:])])
-    own, others = ((one.pressures(s, depths), one.tractions(s, depths)) for one in (run, check))
-    fields = list(map(error, own, others, _sizes(run, s, *others)))
+    shares = np.array([mp.mpf(v) for v in _STICK_PLACES])
+    stick_zones = [z for z in _zones(run) if z.kind == "stick"]
+    inside = [1 - depths, *(z.inner + (z.outer - z.inner) * shares for z in stick_zones)]
+    s = np.concatenate(inside)
+    depths = np.concatenate([depths, *(1 - v for v in inside[1:])])
+    fields_of_run, fields_of_check = (
+        (solved_run.pressures(s, depths), solved_run.tractions(s, depths))
+        for solved_run in (run, check)
+    )
+    fields = list(map(error, fields_of_run, fields_of_check, _sizes(run, s, *fields_of_check)))
     shear = traction = zones = radius = ratio = None
     if run.scene.friction is not None:
-        shear, traction = error(run.total_shear, check.total_shear), fields[1]
+        shear = error(run.total_shear, check.total_shear)
+        traction = fields[1]
         radius = error(run.radius, check.radius)
         zones = max([radius, *map(error, run.radii, check.radii)])
         if run.edge_ratio() is not None:
             ratio = error(run.edge_ratio(), check.edge_ratio())
-    found = ErrorEstimates(
+    estimates = ErrorEstimates(
         approach=error(run.approach, check.approach),
         pressure=fields[0],
         traction=traction,
@@ -360,10 +376,10 @@ def _compare(
         total_shear=shear,
         edge_ratio=ratio,
     )
-    errors = [found.approach, *fields, shear, zones, ratio]
+    errors = [estimates.approach, *fields, shear, zones, ratio]
     if run.opening is not None:
         errors.append(inf if check.opening is None else error(run.opening, check.opening))
-    return found, max(one for one in errors if one is not None)
+    return estimates, max(error for error in errors if error is not None)
 
 
 def _sizes(run: PreciseRun | PreciseCoupledRun, s: Any, p: Any, q: Any) -> tuple[Any, Any]:
@@ -374,7 +390,8 @@ def _sizes(run: PreciseRun | PreciseCoupledRun, s: Any, p: Any, q: Any) -> tuple
     """
     if not run.scene.couples or min(p.min(), q.min()) > 0:
         return p, q
-    hypot, kappa = run.fixed.mp.hypot, run.kappa
+    hypot = run.fixed.mp.hypot
+    kappa = run.kappa
     pairs = list(zip(p, q / s, strict=True))
     both = np.array([[hypot(v, u), hypot(u, kappa * v)] for v, u in pairs], dtype=object)
     return both[:, 0], both[:, 1] * s

@@ -33,12 +33,16 @@ class CoupledDisk:
     """
 
     def __init__(self, normal: Disk, tangential: Disk) -> None:
-        self.normal, self.tangential, self.fixed = normal, tangential, normal.fixed
-        self._own, self._tail = _own(normal, tangential), _tail(normal, tangential)
+        self.normal = normal
+        self.tangential = tangential
+        self.fixed = normal.fixed
+        self._own = _own(normal, tangential)
+        self._tail = _tail(normal, tangential)
         self._first = [_moments(disk) for disk in (normal, tangential)]
         _, weights, psi = _tail_rule(tangential, np.array([tangential.end], dtype=object))
         self._tail_moments = self.fixed.dot(weights[0], psi[0])
-        f, steps = self.fixed, np.arange(normal.panels.count, dtype=object)
+        f = self.fixed
+        steps = np.arange(normal.panels.count, dtype=object)
         leads = [f.of(1.0 + disk.panels.power) for disk in (normal, tangential)]
         h = f.of(normal.panels.width)
         #: for each of the two, factors of the moments on every panel over those on the first
@@ -57,13 +61,16 @@ class CoupledDisk:
         ConvergenceError
             If refinement stalls before the digits of the mesh are reached.
         """
-        f, mesh, disks = self.fixed, self.normal.mesh, (self.normal, self.tangential)
+        f = self.fixed
+        mesh = self.normal.mesh
+        disks = (self.normal, self.tangential)
         given = [float(f.numbers(v)) for v in (alpha, beta, kappa)]
         parameters = Parameters(given[0], given[1], given[2], inf)
         system = ContactSystem(
             (), (0,), [DiscreteSpace(self.normal.panels, mesh.degrees)], parameters
         )
-        factors, used = factored(system), self.normal.panels.functions(mesh.degrees)
+        factors = factored(system)
+        used = self.normal.panels.functions(mesh.degrees)
         weights = f.over(self.normal.weights, f.of(f.mp.pi))
         measures = weights, f.times(weights, self.normal.rest)
         wanted = 2 * f.one, 0
@@ -81,7 +88,9 @@ class CoupledDisk:
             step = factors.step(np.concatenate(residuals)[:, None])[:, 0]
             steps = tuple(f.of(one.coefficients(step)) for one in system.fields)
             found = [one + step for one, step in zip(found, steps, strict=True)]
-            shares = [disk.share(*pair) for disk, *pair in zip(disks, steps, found, strict=True)]
+            shares = [
+                disk.relative_step(*pair) for disk, *pair in zip(disks, steps, found, strict=True)
+            ]
             if max(shares) <= 10.0 ** -(mesh.digits + 2):
                 return found[0], found[1]
         raise ConvergenceError(
@@ -93,7 +102,8 @@ class CoupledDisk:
 
         The integral is of the traction: by kappa times this it lifts the surface.
         """
-        f, (table, tail) = self.fixed, self.normal.split(u)
+        f = self.fixed
+        (table, tail) = self.normal.split(u)
         result = np.zeros(len(u), dtype=object)
         out, out_tail = self.normal.split(result)
         out_tail[:] = f.dot(self._tail, tail)
@@ -110,8 +120,10 @@ class CoupledDisk:
 
         With ``g = (1/s) int_0^s p eta deta`` the pressure moves the surface inward by kappa g.
         """
-        f, (table, tail) = self.fixed, self.normal.split(p)
-        result, shallower = np.zeros(len(p), dtype=object), 0
+        f = self.fixed
+        (table, tail) = self.normal.split(p)
+        result = np.zeros(len(p), dtype=object)
+        shallower = 0
         out, out_tail = self.normal.split(result)
         for j, row in enumerate(table):
             of_p, of_u = (fall[j] for fall in self._falls)
@@ -124,7 +136,8 @@ class CoupledDisk:
 
 def _panel_rule(disk: Disk) -> FixedRule:
     """Return ``x = -ln d``, weights of ``d**power dd``, and polynomials on the first panel."""
-    f, h = disk.fixed, disk.fixed.of(disk.panels.width)
+    f = disk.fixed
+    h = disk.fixed.of(disk.panels.width)
     g, w = f.gauss(disk.rule_points)
     x = f.times(h, f.one + g) // 2
     lead = f.of(1.0 + disk.panels.power)
@@ -140,7 +153,8 @@ def _moments(disk: Disk) -> Ints:
 
 def _own(normal: Disk, tangential: Disk) -> Ints:
     """Return ``int phi(d) int_0^d psi(d') dd' dd`` on the first panel."""
-    f, h = normal.fixed, normal.fixed.of(normal.panels.width)
+    f = normal.fixed
+    h = normal.fixed.of(normal.panels.width)
     x, weights, basis = _panel_rule(normal)
     g, w = f.gauss(tangential.rule_points)
     lead = f.of(1.0 + tangential.panels.power)

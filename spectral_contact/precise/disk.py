@@ -93,7 +93,8 @@ class PreciseSeries:
 
     def at(self, d: Ints, x: Ints | None = None) -> Ints:
         """Evaluate at distances d of any shape. If `x`, their ``-ln d``, is given, it is used."""
-        f, shape = self.fixed, np.shape(d)
+        f = self.fixed
+        shape = np.shape(d)
         d = np.ravel(d)
         deep = f.floats(d) < np.exp(-len(self.table) * self.width) * (1.0 - 1e-9)
         if x is None:
@@ -103,15 +104,17 @@ class PreciseSeries:
             x = np.ravel(x)
         values = np.empty(len(d), dtype=object)
         h = f.of(self.width)
-        own = np.where(deep, -1, 0)
-        own[~deep] = [min(int(v // h), len(self.table) - 1) for v in x[~deep]]
-        for j in np.unique(own):
-            rows = own == j
+        panel_of_point = np.where(deep, -1, 0)
+        panel_of_point[~deep] = [min(int(v // h), len(self.table) - 1) for v in x[~deep]]
+        for j in np.unique(panel_of_point):
+            rows = panel_of_point == j
             if j < 0:
                 end = f.exp(-len(self.table) * h)
-                local, series = 2 * f.over(d[rows], end) - f.one, self.tail
+                local = 2 * f.over(d[rows], end) - f.one
+                series = self.tail
             else:
-                local, series = 2 * f.over(x[rows] - int(j) * h, h) - f.one, self.table[j]
+                local = 2 * f.over(x[rows] - int(j) * h, h) - f.one
+                series = self.table[j]
             values[rows] = f.series(local, series)
         return values.reshape(shape)
 
@@ -148,7 +151,8 @@ class FarField:
     def __init__(
         self, disk: Disk, weight: Ints, near: Ints, lead: Any, offsets: list[Ints]
     ) -> None:
-        f, h = disk.fixed, disk.fixed.of(disk.panels.width)
+        f = disk.fixed
+        h = disk.fixed.of(disk.panels.width)
         self._fixed = f
         terms = ceil((disk.mesh.digits + 6) * _LN10 / float(disk.panels.width)) + 1
         g, w = f.gauss(disk.rule_points)
@@ -164,17 +168,17 @@ class FarField:
         self.sources = np.array(sources)
         self.points = [f.exp(-f.times(x[:, None], exponents)) for x in offsets]
         self.decay = f.exp(-f.times(h, exponents))
-        self.nothing = 0 * self.decay
+        self.zero_sums = 0 * self.decay
 
-    def passed_on(self, far: Ints, coefficients: Ints) -> Ints:
+    def at_next_panel(self, far: Ints, coefficients: Ints) -> Ints:
         """Return the sums at the points of a panel.
 
         They follow from `far`, those of its neighbour, and from the coefficients of the panel
         beyond the neighbour, which the neighbour's sums do not have yet.
         """
         f = self._fixed
-        own = f.dot(self.sources[:, : len(coefficients)], coefficients)
-        return np.asarray(f.times(self.decay, far + own))
+        added = f.dot(self.sources[:, : len(coefficients)], coefficients)
+        return np.asarray(f.times(self.decay, far + added))
 
 
 class Disk:
@@ -196,7 +200,8 @@ class Disk:
     """
 
     def __init__(self, mesh: PreciseMesh, fixed: Fixed) -> None:
-        self.mesh, self.fixed = mesh, fixed
+        self.mesh = mesh
+        self.fixed = fixed
         self.panels = mesh.panels
         self._h = fixed.of(mesh.panels.width)
         self.end = fixed.exp(-mesh.panels.count * self._h)
@@ -214,16 +219,20 @@ class Disk:
         Half-integrals have a root at the deep end of every panel, and dt is an inverse root at the
         centre: substitutions remove them.
         """
-        f, p, h = self.fixed, self.panels.count, self._h
+        f = self.fixed
+        p = self.panels.count
+        h = self._h
         count = 2 * self.panels.degree + ceil(0.7 * self.mesh.digits) + 8
         g, w = f.gauss(count + 10)
         phi = f.times(f.of(f.mp.pi) // 4, f.one + g)
-        sine, cosine = f.map(f.mp.sin, phi), f.map(f.mp.cos, phi)
+        sine = f.map(f.mp.sin, phi)
+        cosine = f.map(f.mp.cos, phi)
         first_x = f.times(h, sine, sine)
         first_dx = f.times(w, f.of(f.mp.pi) // 2, h, sine, cosine)
         g, w = f.gauss(count)
         v = (f.one + g) // 2
-        self._first_end, self._other_end = f.times(h, cosine, cosine), f.times(h, v, v)
+        self._first_end = f.times(h, cosine, cosine)
+        self._other_end = f.times(h, v, v)
         last = h * np.arange(2, p + 1, dtype=object)[:, None]
         self.x = np.concatenate([first_x, (last - self._other_end).ravel()])
         dx = np.concatenate([first_dx, np.tile(f.times(w, h, v), p - 1)])
@@ -257,15 +266,18 @@ class Disk:
 
         `to_end` has the distances of the points in x from the end of their panel.
         """
-        f, h = self.fixed, self._h
+        f = self.fixed
+        h = self._h
         blocks = []
-        lower, upper = 0 * to_end, to_end
+        lower = 0 * to_end
+        upper = to_end
         for k in range(2):
             u, weights, fall = self.root_rule(lower, upper)
             values = f.times(fall if self.panels.power == 0.0 else f.sqrt(fall), weights)
             local = f.one - 2 * f.over(to_end[:, None] + k * h - u, h)
             blocks.append(f.moments(values, local, self.panels.degree))
-            lower, upper = upper, upper + h
+            lower = upper
+            upper = upper + h
         return blocks
 
     def _far_field(self) -> FarField:
@@ -279,7 +291,9 @@ class Disk:
 
     def _tail_half_integrals(self) -> Ints:
         """Return the half-integrals of the tail polynomials at all nodes."""
-        f, d, end = self.fixed, self.d, self.end
+        f = self.fixed
+        d = self.d
+        end = self.end
         if self.panels.power == 0.0:
             # with d' = d - w^2 the integrand is a polynomial in w
             g, w = f.gauss(TAIL_TERMS + 1)
@@ -300,12 +314,14 @@ class Disk:
 
     def half_integral(self, coefficients: Ints) -> Ints:
         """Return the half-integral at the nodes."""
-        f, (table, tail) = self.fixed, self.split(coefficients)
+        f = self.fixed
+        (table, tail) = self.split(coefficients)
         values = f.dot(self._tails, tail)
-        far, terms = self._far.nothing, self._terms
+        far = self._far.zero_sums
+        terms = self._terms
         for i, rows in reversed(list(enumerate(self._rows))):
             if i + 2 < len(table):
-                far = self._far.passed_on(far, table[i + 2, : terms[i + 2]])
+                far = self._far.at_next_panel(far, table[i + 2, : terms[i + 2]])
             total = self._far.points[min(i, 1)] @ far
             for block, j in zip(self._blocks[min(i, 1)], range(i, len(table)), strict=False):
                 total = total + block[:, : terms[j]] @ table[j, : terms[j]]
@@ -317,16 +333,18 @@ class Disk:
 
         It is the transpose of `half_integral`.
         """
-        f, far, terms = self.fixed, self._far.nothing, self._terms
+        f = self.fixed
+        far = self._far.zero_sums
+        terms = self._terms
         result = np.zeros(self.panels.size, dtype=object)
         table, tail = self.split(result)
         tail += f.dot(density, self._tails)
         # sums over the nodes of the last two panels, which are not yet two panels away
-        seen = [far, far]
+        waiting = [far, far]
         for i, rows in enumerate(self._rows):
             scaled = f.times(density[rows], self._root[rows])
-            far = f.times(self._far.decay, far + seen[0])
-            seen = [seen[1], f.dot(scaled, self._far.points[min(i, 1)])]
+            far = f.times(self._far.decay, far + waiting[0])
+            waiting = [waiting[1], f.dot(scaled, self._far.points[min(i, 1)])]
             table[i, : terms[i]] += f.dot(far, self._far.sources[:, : terms[i]])
             for block, j in zip(self._blocks[min(i, 1)], range(i, len(table)), strict=False):
                 table[j, : terms[j]] += f.dot(scaled, block[:, : terms[j]])
@@ -354,7 +372,8 @@ class Disk:
 
     def mass(self, coefficients: Ints, tangential: bool) -> Ints:
         """Return the products with all functions in ``s ds``, if `tangential` in ``s^3 ds``."""
-        f, (table, tail) = self.fixed, self.split(coefficients)
+        f = self.fixed
+        (table, tail) = self.split(coefficients)
         result = np.zeros(self.panels.size, dtype=object)
         one, two = self._masses
         out, out_tail = self.split(result)
@@ -402,24 +421,25 @@ class Disk:
         space = unit_space(self.panels, self.mesh.degrees, shear=tangential)
         factored = space.factor(float(f.numbers(compliance)))
         coefficients = np.zeros(self.panels.size, dtype=object)
-        misfit, known = np.zeros(len(self.d), dtype=object) + target, 0
+        difference = np.zeros(len(self.d), dtype=object) + target
+        mass_term = 0
         goal = 10.0 ** -(self.mesh.digits + 2)
         for _ in range(MOST_SWEEPS):
-            residual = self.moments(f.times(weights, misfit)) - known
-            own = np.zeros(len(coefficients))
-            own[space.index] = factored.cholesky.solve(f.floats(residual)[space.index])
-            step = f.of(own)
+            residual = self.moments(f.times(weights, difference)) - mass_term
+            double_step = np.zeros(len(coefficients))
+            double_step[space.index] = factored.cholesky.solve(f.floats(residual)[space.index])
+            step = f.of(double_step)
             coefficients = np.asarray(coefficients + step)
-            if self.share(step, coefficients) <= goal:
+            if self.relative_step(step, coefficients) <= goal:
                 return coefficients
-            misfit = target - self.half_integral(coefficients)
+            difference = target - self.half_integral(coefficients)
             if compliance:
-                known = f.times(compliance, self.mass(coefficients, tangential))
+                mass_term = f.times(compliance, self.mass(coefficients, tangential))
         raise ConvergenceError(
             f"refinement stalls before {self.mesh.digits} digits", "ask for fewer digits"
         )
 
-    def share(self, step: Ints, coefficients: Ints) -> float:
+    def relative_step(self, step: Ints, coefficients: Ints) -> float:
         """Return the largest step on a panel over the largest coefficient, of the worst panel."""
         shares = [
             float(self.fixed.numbers(self.fixed.over(np.abs(a).max(), np.abs(b).max() + 1)))

@@ -100,7 +100,8 @@ class RoughDrive(PreciseDrive):
     """
 
     def __init__(self, disk: Disk, compliance: Any) -> None:
-        self.fixed, self._disk = disk.fixed, disk
+        self.fixed = disk.fixed
+        self._disk = disk
         f = self.fixed
         unit = disk.solve(compliance, 2 * f.one, tangential=False)
         # the load is 2 pi int p s ds = 4 int F dt
@@ -120,14 +121,17 @@ class RoughDrive(PreciseDrive):
 
     def outside(self, top: Any) -> tuple[Ints, Ints]:
         """Return points ``y < top`` and weights of ``1/2 int_0^top p f dy`` for functions f."""
-        f, (table, tail) = self.fixed, self._disk.split(self._coefficients)
+        f = self.fixed
+        (table, tail) = self._disk.split(self._coefficients)
         h = f.of(self.series.width)
         shallowest = -f.map(f.mp.log, top)
         first = int(shallowest // h)
         g, w = f.gauss(self._disk.rule_points)
-        y, weights = [], []
+        y = []
+        weights = []
         for j in range(first, len(table)):
-            low, high = max(shallowest, j * h), (j + 1) * h
+            low = max(shallowest, j * h)
+            high = (j + 1) * h
             x = low + f.times(high - low, f.one + g) // 2
             local = 2 * f.over(x - j * h, h) - f.one
             p = f.series(local, table[j])
@@ -148,8 +152,10 @@ class RoughDrive(PreciseDrive):
     @cached_property
     def _mean(self) -> PreciseSeries:
         """``(1/y) int_0^y p dy``, the mean of the pressure on the annulus outside a radius."""
-        f, series = self.fixed, self.series
-        h, (count, terms) = f.of(series.width), series.table.shape
+        f = self.fixed
+        series = self.series
+        h = f.of(series.width)
+        (count, terms) = series.table.shape
         # in the tail p is a polynomial, and so is its mean
         points = len(series.tail)
         g, w = f.gauss(points)
@@ -170,7 +176,8 @@ class RoughDrive(PreciseDrive):
         table = np.empty((count, samples), dtype=object)
         for j in reversed(range(count)):
             values = f.dot(matrix, series.table[j]) + f.times(fall, mean)
-            mean, table[j] = values[0], values[1:]
+            mean = values[0]
+            table[j] = values[1:]
         return PreciseSeries(f, series.width, f.dot(table, f.expansion(samples).T), tail)
 
     def release(self) -> None:
@@ -181,8 +188,10 @@ class RoughDrive(PreciseDrive):
 
     def _transformed(self) -> PreciseSeries:
         """Return ``R = (2/t) int_0^t s p ds / sqrt(t^2 - s^2)`` as a series."""
-        f, panels = self.fixed, self._disk.panels
-        h, count = f.of(panels.width), panels.count
+        f = self.fixed
+        panels = self._disk.panels
+        h = f.of(panels.width)
+        count = panels.count
         points = self._disk.rule_points
         start = f.times(h, f.one + f.gauss(points)[0]) // 2
         end = f.exp(-count * h)
@@ -191,15 +200,16 @@ class RoughDrive(PreciseDrive):
         # here sources are shallower than the points, and the offsets of points are counted from the
         # starts of their panels
         far_field = FarField(self._disk, f.exp(-start // 2), f.exp(start - h), 0, [start, beyond])
-        near, near_tail = self._outer(start), self._outer(beyond)
+        near = self._outer(start)
+        near_tail = self._outer(beyond)
         table, tail = self._disk.split(self._coefficients)
         # the integral scales with the root of the distance at the shallow end of the source
         scaled = [f.times(f.exp(-j * h // 2), table[j]) for j in range(count)]
-        far = far_field.nothing
+        far = far_field.zero_sums
         values = np.zeros((count, points), dtype=object)
         for i in range(count):
             if i >= 2:
-                far = far_field.passed_on(far, scaled[i - 2])
+                far = far_field.at_next_panel(far, scaled[i - 2])
             total = far_field.points[0] @ far
             for block, source in zip(near, scaled[i::-1], strict=False):
                 total = total + block @ source
@@ -225,7 +235,8 @@ class RoughDrive(PreciseDrive):
         """
         f = self.fixed
         h = f.of(self._disk.panels.width)
-        lower, upper = np.maximum(from_start - h, 0), from_start
+        lower = np.maximum(from_start - h, 0)
+        upper = from_start
         blocks = []
         for k in range(2):
             u, weights, _ = self._disk.root_rule(lower, upper)
@@ -233,7 +244,8 @@ class RoughDrive(PreciseDrive):
             values = f.times(f.exp(-offset // 2), weights)
             local = 2 * f.over(offset, h) - f.one
             blocks.append(f.moments(values, local, self._disk.panels.degree))
-            lower, upper = upper, upper + h
+            lower = upper
+            upper = upper + h
         return blocks
 
     def _outer_tail(self, d: Ints, end: Any, tail: Ints) -> Ints:

@@ -164,7 +164,8 @@ class Fixed:
         # the nodes begin with the 50 bits or so of doubles, and each of Newton's steps doubles them
         for _ in range(math.ceil(math.log2(self.bits / 50.0)) + 1):
             values = self.legendre(x, points)
-            last, before = values[:, points], values[:, points - 1]
+            last = values[:, points]
+            before = values[:, points - 1]
             slope = self.over(points * (before - self.times(x, last)), self.one - self.times(x, x))
             x = x - self.over(last, slope)
         return x, self.over(2 * self.one, self.times(self.one - self.times(x, x), slope, slope))

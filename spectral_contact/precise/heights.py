@@ -47,7 +47,8 @@ class Heights:
     """
 
     def __init__(self, mp: Any, profile: Profile) -> None:
-        self._mp, self.reach = mp, mp.mpf(profile.reach)
+        self._mp = mp
+        self.reach = mp.mpf(profile.reach)
         self.breaks = [mp.mpf(b) for b in profile.breaks]
         self.order = mp.mpf(getattr(profile, "exponent", 1.0)) if profile.pointed else mp.zero
 
@@ -75,7 +76,8 @@ class _PowerHeights(Heights):
 
     def __init__(self, mp: Any, profile: Profile, factor: Any, power: Any) -> None:
         super().__init__(mp, profile)
-        self._factor, self._power = factor, mp.mpf(power)
+        self._factor = factor
+        self._power = mp.mpf(power)
         half = self._power / 2
         self._scaled = factor * power * mp.beta(half, mp.mpf(1) / 2)
 
@@ -156,7 +158,8 @@ class _RoundedFlatHeights(Heights):
         return max(r - self.breaks[0], 0) ** 2 / (2 * self._radius)
 
     def transform(self, t: Any) -> Any:
-        mp, b = self._mp, self.breaks[0]
+        mp = self._mp
+        b = self.breaks[0]
         if t <= b:
             return mp.zero
         # next to the flat part it is about b (root/b)^3/3, which is little of its two terms
@@ -199,7 +202,8 @@ class _SampledHeights(Heights):
 
     def _mean(self, t: Any, rows: list[list[Any]], power: int) -> Any:
         """Return the integral of ``f(t sin phi) sin(phi)**power`` over a quarter of a turn."""
-        mp, total = self._mp, self._mp.zero
+        mp = self._mp
+        total = self._mp.zero
         for (low, high), row in zip(pairwise(self._edges), rows, strict=True):
             if t <= low:
                 break
@@ -253,8 +257,10 @@ class _SampledHeights(Heights):
         The function is singular at the smaller breaks: no panel is longer, in `root`, than its
         distance from them.
         """
-        mp, edges = self._mp, self._edges
-        low, high = edges[piece], edges[piece + 1]
+        mp = self._mp
+        edges = self._edges
+        low = edges[piece]
+        high = edges[piece + 1]
         top = mp.sqrt((high - low) * (high + low))
         inner = edges[piece - 1] if piece else mp.zero
         ends = [mp.zero]
@@ -324,7 +330,8 @@ class _SumHeights(Heights):
         return sum(one.transform(t) for one in self._both)
 
     def rate(self, t: Any) -> Any:
-        whole, total = self.root(t), self._mp.zero
+        whole = self.root(t)
+        total = self._mp.zero
         for one in self._both:
             # 0 only if t is a break of this one; then t is the last break of the sum, too
             own = one.root(t)

@@ -26,8 +26,9 @@ from spectral_contact.profiles import Profile
 from spectral_contact.threads import cached_property
 
 _LN10 = log(10.0)
+#: Refinement that takes more sweeps than this has stalled.
 _MOST_SWEEPS = 20
-#: Nodes that a dense factorisation in double precision takes, in 2 GB.
+#: Largest number of nodes: a dense factorisation in double precision then takes 2 GB.
 _MOST_NODES = 12000
 
 
@@ -82,15 +83,19 @@ class RoughContact(Contact):
 
     def pressures(self, s: Any, from_edge: Any) -> Any:
         """Return p at mpmath's radii over a, whose distances to the edge are given, too."""
-        f, places = self.fixed, self.geometry
-        s, rest = f.of(s), f.of(from_edge)
-        y = f.times(rest, f.one + s)
-        z = np.where((s < rest).astype(bool), f.times(s, s), f.one - y)
+        f = self.fixed
+        places = self.geometry
+        s = f.of(s)
+        edge_distance = f.of(from_edge)
+        y = f.times(edge_distance, f.one + s)
+        z = np.where((s < edge_distance).astype(bool), f.times(s, s), f.one - y)
         inside = [z >= square for square in places.squares[1:-1]]
-        own = sum((v.astype(int) for v in inside), np.zeros(len(z), dtype=int))
+        part_of_point = sum((v.astype(int) for v in inside), np.zeros(len(z), dtype=int))
         values = np.empty(len(z), dtype=object)
-        for k in np.unique(own):
-            rows, width, series = own == k, places.widths[k], self.series[k]
+        for k in np.unique(part_of_point):
+            rows = part_of_point == k
+            width = places.widths[k]
+            series = self.series[k]
             above = np.maximum(f.over(z[rows] - places.squares[k], width), 0)
             below = np.maximum(f.over(y[rows] - places.rests[k + 1], width), 0)
             if k < len(self.series) - 1 or not self._vanishes:
@@ -100,8 +105,8 @@ class RoughContact(Contact):
             # evaluated where the tail begins, and scaled
             least = series.mesh.outer_end
             clipped = np.maximum(below, least)
-            found = series.at(np.where(clipped > below, f.one - least, above), clipped)
-            values[rows] = f.over(f.times(found, below), clipped)
+            at_tail = series.at(np.where(clipped > below, f.one - least, above), clipped)
+            values[rows] = f.over(f.times(at_tail, below), clipped)
         return f.numbers(values)
 
     @property
@@ -116,14 +121,17 @@ class RoughContact(Contact):
 
     def margins(self) -> tuple[Any, Any]:
         """Return the least pressure inside over its mean, and the least gap over the approach."""
-        f, mp = self.fixed, self.fixed.mp
+        f = self.fixed
+        mp = self.fixed.mp
         mean = self.load / (mp.pi * self.radius**2)
         least = min(v.min() for v in self.values)
         return f.numbers(least) / mean, self._least_gap() / self._approach_of_gap
 
     def _least_gap(self) -> Any:
         """Return the least gap at some places outside the contact."""
-        f, mp, places = self.fixed, self.fixed.mp, self.geometry
+        f = self.fixed
+        mp = self.fixed.mp
+        places = self.geometry
         gaps = []
         weights = [
             f.over(f.times(w, m.weights), 2 * f.sqrt(z))
@@ -139,9 +147,9 @@ class RoughContact(Contact):
             r = self.radius * mp.sqrt(square)
             if r >= self.heights.reach:
                 break
-            # by so much the pressure lowers the free surface
-            lowered = f.numbers(potential) / mp.pi * self.radius
-            gaps.append(self.heights.height(r) - self._approach_of_gap + lowered)
+            # the pressure lowers the free surface by this
+            surface_displacement = f.numbers(potential) / mp.pi * self.radius
+            gaps.append(self.heights.height(r) - self._approach_of_gap + surface_displacement)
         return min(gaps, default=mp.one)
 
 
@@ -158,7 +166,7 @@ class AdhesiveContact(RoughContact):
         return self.fixed.mp.one, self._least_gap() / self.radius
 
 
-#: Distances from the edge over the radius where the gap is looked at.
+#: Distances from the edge, over the radius, at which the gap is evaluated.
 OUTSIDE = (1e-6, 1e-4, 0.01, 0.1, 0.5)
 
 
@@ -166,7 +174,8 @@ class DiskInParts:
     """The parts of the disk between breaks, in units of its radius, and integrals over them."""
 
     def __init__(self, f: Fixed, meshes: list[AnnulusMesh], radius: Any, breaks: list[Any]) -> None:
-        self._f, self.meshes = f, meshes
+        self._f = f
+        self.meshes = meshes
         mp = f.mp
         inner = [b / radius for b in breaks]
         self.squares = np.array([0 * f.one, *(f.of(b * b) for b in inner), f.one])
@@ -176,9 +185,15 @@ class DiskInParts:
         ends = [mp.zero, *breaks, radius]
         widths = [(b - a) * (b + a) / radius**2 for a, b in pairwise(ends)]
         self.widths = [f.of(w) for w in widths]
-        own = list(zip(meshes, self.widths, strict=True))
-        self.z = [s + f.times(w, m.above) for (m, w), s in zip(own, self.squares[:-1], strict=True)]
-        self.y = [r + f.times(w, m.below) for (m, w), r in zip(own, self.rests[1:], strict=True)]
+        meshes_and_widths = list(zip(meshes, self.widths, strict=True))
+        self.z = [
+            s + f.times(w, m.above)
+            for (m, w), s in zip(meshes_and_widths, self.squares[:-1], strict=True)
+        ]
+        self.y = [
+            r + f.times(w, m.below)
+            for (m, w), r in zip(meshes_and_widths, self.rests[1:], strict=True)
+        ]
         self.roots = [f.sqrt(z) for z in self.z]
         sizes = np.cumsum([0, *(m.above.size for m in meshes)])
         self.slices = [slice(a, b) for a, b in pairwise(sizes)]
@@ -198,42 +213,45 @@ class DiskInParts:
 
     def half(self, values: list[Ints]) -> list[Ints]:
         """Return F at the nodes."""
-        f, found = self._f, []
+        f = self._f
+        halves = []
         for k, mesh in enumerate(self.meshes):
             total = f.times(f.sqrt(self.widths[k]), mesh.half_integral(values[k]))
             for b in range(k + 1, len(values)):
                 total = total + self._between[k, b].half_integral(values[b])
-            found.append(total)
-        return found
+            halves.append(total)
+        return halves
 
     def normal(self, half: list[Ints]) -> list[Ints]:
         """Return ``N p`` at the nodes from F there."""
-        f, found = self._f, []
+        f = self._f
+        displacements = []
         sources = [f.over(v, t) for v, t in zip(half, self.roots, strict=True)]
         for k, mesh in enumerate(self.meshes):
-            own = mesh.inner_integral(sources[k], pole=k == 0)
-            total = f.times(f.sqrt(self.widths[k]), own)
+            within_part = mesh.inner_integral(sources[k], pole=k == 0)
+            total = f.times(f.sqrt(self.widths[k]), within_part)
             for a in range(k):
                 total = total + self._between[a, k].inner_integral(sources[a])
-            found.append(f.over(total, f.of(f.mp.pi)))
-        return found
+            displacements.append(f.over(total, f.of(f.mp.pi)))
+        return displacements
 
     def matrix(self) -> Any:
         """Return the matrix of N in double precision."""
-        f, count = self._f, len(self.meshes)
+        f = self._f
+        count = len(self.meshes)
         matrix = np.zeros((self.size,) * 2)
         for k, mesh in enumerate(self.meshes):
-            own = float(f.numbers(f.sqrt(self.widths[k])))
+            scale = float(f.numbers(f.sqrt(self.widths[k])))
             root = np.pi * f.floats(self.roots[k]).reshape(-1, 1)
             half = {
-                c: (self._between[k, c].matrix() if c > k else own * mesh.matrix()) / root
+                c: (self._between[k, c].matrix() if c > k else scale * mesh.matrix()) / root
                 for c in range(k, count)
             }
             for r in range(k, count):
                 inner = (
                     self._between[k, r].inner_matrix()
                     if r > k
-                    else own * mesh.inner_matrix(pole=k == 0)
+                    else scale * mesh.inner_matrix(pole=k == 0)
                 )
                 for c in range(k, count):
                     matrix[self.slices[r], self.slices[c]] += inner @ half[c]
@@ -241,9 +259,10 @@ class DiskInParts:
 
     def integral(self, values: list[Ints]) -> Any:
         """Return ``int . s ds`` over the disk of values at the nodes."""
-        f, total = self._f, 0
-        for w, mesh, own in zip(self.widths, self.meshes, values, strict=True):
-            total += f.times(w, f.times(mesh.weights, own).sum())
+        f = self._f
+        total = 0
+        for w, mesh, part_values in zip(self.widths, self.meshes, values, strict=True):
+            total += f.times(w, f.times(mesh.weights, part_values).sum())
         return f.numbers(total) / 2
 
 
@@ -280,7 +299,9 @@ class RoughIndented:
         adhesion: float = 0.0,
     ) -> None:
         self._adhesion = adhesion
-        self._profile, self._compliance, self.digits = profile, compliance, digits
+        self._profile = profile
+        self._compliance = compliance
+        self.digits = digits
         pairs = self._panels(radius, width)
         points = panel_points(digits, width)
         nodes = points * sum(a + b + 2 for a, b in pairs)
@@ -310,7 +331,8 @@ class RoughIndented:
         breaks = [b for b in self._profile.breaks if b < radius]
         inner = [0.0, *(b / radius for b in breaks), 1.0]
         widths = [(b - a) * (b + a) for a, b in pairwise(inner)]
-        settle, layer = (self.digits + 2.0) * _LN10, min(self._compliance / radius, 1.0)
+        settle = (self.digits + 2.0) * _LN10
+        layer = min(self._compliance / radius, 1.0)
         outer = [log(min(*pair, layer)) - settle / 2.0 for pair in pairwise(widths)]
         outer.append(log(min(widths[-1], layer, self._profile._to_pole(radius))) - settle)
         centre = log(widths[0])
@@ -335,20 +357,22 @@ class RoughIndented:
         ConvergenceError
             If refinement stalls.
         """
-        f, mp = self.fixed, self.fixed.mp
+        f = self.fixed
+        mp = self.fixed.mp
         places = DiskInParts(f, self._meshes, radius, self._breaks)
         alpha = f.of(self._compliance / radius)
         if self._factored is None:
             matrix = places.matrix()
             matrix[np.diag_indices(len(matrix))] += float(f.numbers(alpha))
             self._factored = DoubleFactors(matrix)
-        smooth, h = self.heights.transform(+radius) / 2, self._heights_at(places, radius)
+        smooth = self.heights.transform(+radius) / 2
+        h = self._heights_at(places, radius)
         ones = [0 * z + f.one for z in places.z]
         flat, _ = self._refined(places, alpha, ones)
-        p, share = self._refined(
+        p, multiple = self._refined(
             places, alpha, [f.over(f.of(smooth) - v, f.of(radius)) for v in h], flat
         )
-        approach = smooth + f.numbers(share) * radius
+        approach = smooth + f.numbers(multiple) * radius
         growth = self._growth(places, p[-1], flat[-1])
         kind = RoughContact
         if self._adhesion:  # the pressure at the edge is the suction
@@ -380,7 +404,8 @@ class RoughIndented:
 
     def _heights_at(self, places: DiskInParts, radius: Any) -> list[Ints]:
         """Return the heights at the nodes."""
-        f, mp = self.fixed, self.fixed.mp
+        f = self.fixed
+        mp = self.fixed.mp
         of_z = np.frompyfunc(
             lambda z: f.of(self.heights.height(radius * mp.sqrt(f.numbers(z)))), 1, 1
         )
@@ -392,11 +417,12 @@ class RoughIndented:
         The pressure, or the overclosure, is zero at the edge: `last` has its values on the last
         part, and `rate` those of its derivative by delta at a fixed radius.
         """
-        f, mesh = self.fixed, self._meshes[-1]
+        f = self.fixed
+        mesh = self._meshes[-1]
         ends = f.one - mesh.outer_end, mesh.outer_end
         near = mesh.series(last).at(*(np.array([v], dtype=object) for v in ends))[0]
-        falls = f.over(near, f.times(places.widths[-1], mesh.outer_end))
-        return 2 * f.numbers(falls) / f.numbers(mesh.limits(rate)[1])
+        edge_slope = f.over(near, f.times(places.widths[-1], mesh.outer_end))
+        return 2 * f.numbers(edge_slope) / f.numbers(mesh.limits(rate)[1])
 
     def _refined(
         self, places: DiskInParts, alpha: Any, right: list[Ints], flat: list[Ints] | None = None
@@ -406,25 +432,32 @@ class RoughIndented:
         If `flat` is given, the pressure of the right-hand side 1, a multiple of it is added so that
         the sum is zero at the edge. The multiple is returned, too.
         """
-        f, factored, edge = self.fixed, self._factored, self._meshes[-1]
+        f = self.fixed
+        factored = self._factored
+        edge = self._meshes[-1]
         assert factored is not None
-        wanted = np.concatenate([v.ravel() for v in right])
-        p, misfit, share, addend = 0 * wanted, wanted, 0 * f.one, 0 * wanted
+        right_side = np.concatenate([v.ravel() for v in right])
+        p = 0 * right_side
+        residual = right_side
+        multiple = 0 * f.one
+        flat_vector = 0 * right_side
         if flat is not None:
-            addend, flat_edge = np.concatenate([v.ravel() for v in flat]), edge.limits(flat[-1])[1]
+            flat_vector = np.concatenate([v.ravel() for v in flat])
+            flat_edge = edge.limits(flat[-1])[1]
         goal = 10.0 ** -(self.digits + 2)
         for _ in range(_MOST_SWEEPS):
-            step = factored.corrected(f, misfit)
+            step = factored.corrected(f, residual)
             if flat is not None:
                 last = self._split(places, p + step)[-1]
-                more = -f.over(edge.limits(last)[1], flat_edge)
-                share, step = share + more, step + f.times(more, addend)
+                change = -f.over(edge.limits(last)[1], flat_edge)
+                multiple = multiple + change
+                step = step + f.times(change, flat_vector)
             p = p + step
-            if self._share(places, step, p) <= goal:
-                return self._split(places, p), share
+            if self._relative_step(places, step, p) <= goal:
+                return self._split(places, p), multiple
             half = places.half(self._split(places, p))
             image = np.concatenate([v.ravel() for v in places.normal(half)])
-            misfit = wanted + share - f.times(alpha, p) - image
+            residual = right_side + multiple - f.times(alpha, p) - image
         raise ConvergenceError(
             f"refinement stalls before {self.digits} digits", "ask for fewer digits"
         )
@@ -434,10 +467,11 @@ class RoughIndented:
         parts = zip(self._meshes, places.slices, strict=True)
         return [vector[own].reshape(mesh.above.shape) for mesh, own in parts]
 
-    def _share(self, places: DiskInParts, step: Ints, p: Ints) -> float:
+    def _relative_step(self, places: DiskInParts, step: Ints, p: Ints) -> float:
         """Return the largest step relative to the largest value in its cell."""
-        f, worst = self.fixed, 0.0
+        f = self.fixed
+        largest = 0.0
         for a, b in zip(self._split(places, step), self._split(places, p), strict=True):
             pairs = zip(np.abs(a).max(axis=1), np.abs(b).max(axis=1) + 1, strict=True)
-            worst = max(worst, *(float(f.numbers(f.over(v, w))) for v, w in pairs))
-        return worst
+            largest = max(largest, *(float(f.numbers(f.over(v, w))) for v, w in pairs))
+        return largest

@@ -41,20 +41,23 @@ class SmoothIndented(Contact):
     unknowns = 0
 
     def __init__(self, mp: Any, profile: Profile, radius: Any, adhesion: float = 0.0) -> None:
-        self._mp, self.radius = mp, mp.mpf(radius)
+        self._mp = mp
+        self.radius = mp.mpf(radius)
         self._adhesive = adhesion > 0.0
         #: by how much adhesion lowers the approach, by the theory of Johnson, Kendall and Roberts
         self._pull = mp.sqrt(mp.pi * self.radius * mp.mpf(adhesion) / 2)
         self.heights = heights(mp, profile)
         self._edge_transform = self.heights.transform(self.radius)
         self._breaks = [b for b in self.heights.breaks if b < self.radius]
-        self.approach, self.stiffness = self._edge_transform / 2 - self._pull, 8 * self.radius
+        self.approach = self._edge_transform / 2 - self._pull
+        self.stiffness = 8 * self.radius
         self.load = 4 * self._integral(self.heights.rate) - self.stiffness * self._pull
 
     @property
     def growth(self) -> Any:
         """``ddelta/da``; if the edge is at a break, where it may jump, just beyond the break."""
-        mp, a = self._mp, self.radius
+        mp = self._mp
+        a = self.radius
         if self.heights.root(a) == 0:
             a = a * (1 + mp.sqrt(mp.eps))
         return self.heights.rate(a) / self.heights.root(a) / 2
@@ -82,7 +85,8 @@ class SmoothIndented(Contact):
 
         On each part between breaks b is its start.
         """
-        mp, total = self._mp, self._mp.zero
+        mp = self._mp
+        total = self._mp.zero
         for b, end in pairwise([mp.zero, *self._breaks, self.radius]):
             top = mp.sqrt((end - b) * (end + b))
             total += mp.quad(lambda v, b=b: function(mp.hypot(b, v)), [0, top])
@@ -97,7 +101,8 @@ class SmoothIndented(Contact):
 
     def _pressure(self, s: Any, from_edge: Any) -> Any:
         """Return the pressure without that of adhesion at one radius."""
-        mp, r = self._mp, self.radius * s
+        mp = self._mp
+        r = self.radius * s
         if r == 0:
             return self._central()
         if from_edge == 0:
@@ -147,7 +152,8 @@ class SmoothIndented(Contact):
 
     def _central(self) -> Any:
         """Return the pressure at the centre."""
-        mp, order = self._mp, self.heights.order
+        mp = self._mp
+        order = self.heights.order
         if order == 1:
             return mp.inf
         first, *others = [*self._breaks, self.radius]

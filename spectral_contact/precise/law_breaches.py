@@ -82,7 +82,8 @@ def breaches(trial: ZoneTrial, sticking: dict[int, Ints], digits: int) -> list[B
     digits : int
         Relative accuracy of the solution.
     """
-    problem, f = trial.problem, trial.problem.drive.fixed
+    problem = trial.problem
+    f = trial.problem.drive.fixed
     displacements: dict[int, Ints] = {}
     noise = 0
     if any(problem.states):
@@ -95,7 +96,8 @@ def breaches(trial: ZoneTrial, sticking: dict[int, Ints], digits: int) -> list[B
         if state:
             found += zone.below_zero(-state * displacements[k], 0, digits, noise)
             continue
-        bound, q = trial.bound(k), sticking[k]
+        bound = trial.bound(k)
+        q = sticking[k]
         # both are times s, and a pressure that is infinite at the edge times the root sqrt(y), too
         weight = f.sqrt(trial.z[k])
         if problem.drive.singular:
@@ -158,7 +160,8 @@ class _LawZone:
             if positive:
                 continue
             run = list(group)
-            (first, inner), (last, outer) = run[0], run[-1]
+            (first, inner) = run[0]
+            (last, outer) = run[-1]
             ends = (
                 self._logit(inner.cell, inner.low) if first else self.start,
                 self._logit(outer.cell, outer.high) if last < len(pieces) - 1 else self.stop,
@@ -171,7 +174,8 @@ class _LawZone:
 
     def _judged(self, values: Ints, noise: Any) -> list[_Piece]:
         """Return the zone in pieces with their verdicts, outward."""
-        f, outermost = self.mesh.fixed, self.mesh.panels + 1
+        f = self.mesh.fixed
+        outermost = self.mesh.panels + 1
         divide = _Division(f, self.mesh.blocks.points)
         pieces = []
         for cell, row in enumerate(self.mesh.series(values).table):
@@ -188,8 +192,10 @@ class _LawZone:
 
     def _logit(self, cell: int, local: Any) -> Any:
         """Return ``ln(s**2/(1 - s**2))`` at a place of a cell."""
-        f, mesh = self.mesh.fixed, self.mesh
-        mp, share = f.mp, f.numbers(f.one + local) / 2
+        f = self.mesh.fixed
+        mesh = self.mesh
+        mp = f.mp
+        share = f.numbers(f.one + local) / 2
         if cell == 0:
             odds = f.numbers(mesh.inner_end) * share**2
         elif cell <= mesh.panels:
@@ -224,7 +230,8 @@ class _Division:
     def __call__(self, piece: _Piece, row: Ints, noise: Any, depth: int = 0) -> Iterator[_Piece]:
         """Yield the parts of a piece with their verdicts, in the order of the cell's coordinate."""
         spread = abs(row[1:]).sum()
-        least, most = row[0] - spread, row[0] + spread
+        least = row[0] - spread
+        most = row[0] + spread
         verdict = 1 if least > noise else -1 if most < -noise else 0
         if verdict or max(-least, most) <= 2 * noise or depth == _MOST_HALVINGS:
             yield piece._replace(verdict=verdict, value=row[0])

@@ -55,7 +55,8 @@ class _Power(Law):
 
     def __init__(self, mp: Any, layer: Layer, coefficient: Any, exponent: Any) -> None:
         super().__init__(mp, layer)
-        self._factor, self._power = coefficient, mp.mpf(exponent)
+        self._factor = coefficient
+        self._power = mp.mpf(exponent)
 
     def pressure(self, w: Any) -> Any:
         return self._factor * max(w, 0) ** self._power
@@ -87,7 +88,8 @@ class _Abaqus(Law):
         return self._unit / self._size * (self.mp.expm1(x) + x * self.mp.exp(x))
 
     def energy(self, w: Any) -> Any:
-        mp, x = self.mp, max(w, 0) / self._size
+        mp = self.mp
+        x = max(w, 0) / self._size
         # it is about x^3/3 for small x, which is little of its terms
         with mp.extraprec(3 * max(-mp.mag(x), 0) + 10 if x else 0):
             integral = (x - 1) * mp.exp(x) + 1 - x**2 / 2
@@ -117,14 +119,18 @@ class _Asperities(Law):
 
     def __init__(self, mp: Any, layer: layers.GreenwoodWilliamson) -> None:
         super().__init__(mp, layer)
-        self._size, self._gaussian = mp.mpf(layer.height_deviation), layer.heights == "gaussian"
-        density, tip = mp.mpf(layer.density), mp.mpf(layer.tip_radius)
+        self._size = mp.mpf(layer.height_deviation)
+        self._gaussian = layer.heights == "gaussian"
+        density = mp.mpf(layer.density)
+        tip = mp.mpf(layer.tip_radius)
         # Hertz's 4/3 E* sqrt(tip) of one asperity, in E': E* is 4 E'
         self._unit = density * mp.sqrt(tip) * 16 / 3 * self._size ** (mp.mpf(3) / 2)
 
     def _moment(self, w: Any, order: int) -> Any:
         """Return ``int_h^inf (z - h)^(order/2) phi(z) dz``, with ``h = -w/deviation``."""
-        mp, h, power = self.mp, -w / self._size, self.mp.mpf(order) / 2
+        mp = self.mp
+        h = -w / self._size
+        power = self.mp.mpf(order) / 2
         if self._gaussian:  # a parabolic cylinder function
             scale = mp.gamma(power + 1) / mp.sqrt(2 * mp.pi)
             return scale * mp.exp(-h * h / 4) * mp.pcfd(-power - 1, h)

@@ -151,7 +151,9 @@ class LayeredIndented(RoughIndented):
         ConvergenceError
             If the iteration stalls.
         """
-        f, mp, law = self.fixed, self.fixed.mp, self._law
+        f = self.fixed
+        mp = self.fixed.mp
+        law = self._law
         radius = given if self._edged else mp.mpf(self._start.radius)
         places = DiskInParts(f, self._meshes, radius, self._breaks)
         h = self._heights_at(places, radius)
@@ -159,10 +161,12 @@ class LayeredIndented(RoughIndented):
         # the overclosure if nothing gave way
         room = np.concatenate([f.over(f.of(smooth) - v, f.of(radius)).ravel() for v in h])
         fields = self._newton(places, radius, room)
-        w, rate = fields.overclosure, fields.rate
+        w = fields.overclosure
+        rate = fields.rate
         delta = smooth + law.origin + radius * f.numbers(fields.more)
         pressure_rate = self._split(places, f.times(fields.slope, rate))
-        own, at = self._split(places, w), f.numbers(w) * radius
+        own = self._split(places, w)
+        at = f.numbers(w) * radius
         pressure = np.frompyfunc(law.pressure, 1, 1)(at)
         p = self._split(places, f.of(pressure))
         stored = self._split(places, f.of(np.frompyfunc(law.energy, 1, 1)(at)))
@@ -217,7 +221,9 @@ class LayeredIndented(RoughIndented):
 
     def _newton(self, places: DiskInParts, radius: Any, room: Ints) -> _Fields:
         """Return the solution at the nodes, and its derivative by the approach."""
-        f, law, edge = self.fixed, self._law, self._meshes[-1]
+        f = self.fixed
+        law = self._law
+        edge = self._meshes[-1]
         if self._normal is None:
             self._normal = places.matrix()
         w = self._started(places, radius, room) if self._w is None else self._w
@@ -246,9 +252,10 @@ class LayeredIndented(RoughIndented):
             if self._edged:
                 rate = factored.corrected(f, one)
                 more = -f.over(limit(w + step), limit(rate))
-                share, step = share + more, step + f.times(more, rate)
+                share = share + more
+                step = step + f.times(more, rate)
             w = w + step
-            if self._share(places, step, w) <= goal:
+            if self._relative_step(places, step, w) <= goal:
                 break
         else:
             raise ConvergenceError(
@@ -260,7 +267,7 @@ class LayeredIndented(RoughIndented):
         for _ in range(_MOST_SWEEPS):
             step = factored.corrected(f, one - rate - image(f.times(slope, rate)))
             rate = rate + step
-            if self._share(places, step, rate) <= goal:
+            if self._relative_step(places, step, rate) <= goal:
                 return _Fields(w, share, rate, slope)
         raise ConvergenceError(
             f"refinement stalls before {self.digits} digits", "ask for fewer digits"

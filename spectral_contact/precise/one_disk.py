@@ -54,14 +54,16 @@ class _PreciseSlipSource:
 
     def __init__(self, drive: PreciseDrive, square: Any, rest: Any, digits: int) -> None:
         f = self.fixed = drive.fixed
-        self._square, self._rest = square, rest
+        self._square = square
+        self._rest = rest
         terms = ceil(2.2 * digits) + 12
         self._wide = Fixed(f.bits + 7 * terms)
         self._extra = 7 * terms
         # ds is dz/(2 s): unless the centre, where 1/s has a pole, is near, 1/s is part of the
         # polynomial
         self._folded = 2 * square >= f.one
-        w, fit = self._wide, self._fit(terms)
+        w = self._wide
+        fit = self._fit(terms)
         self._length = 3 * rest // 4
         y = rest - f.times(self._length, self._samples(terms, f))
         values = drive.pressure(y)
@@ -83,7 +85,8 @@ class _PreciseSlipSource:
         """Return the matrix from values at the Chebyshev points to coefficients of powers."""
         w = self._wide
         cosines = [w.of(w.mp.cos(w.mp.pi * i / (2 * terms))) for i in range(4 * terms)]
-        k, i = np.arange(terms)[:, None], np.arange(terms)[None, :]
+        k = np.arange(terms)[:, None]
+        i = np.arange(terms)[None, :]
         matrix = 2 * np.array(cosines, dtype=object)[(k * (2 * i + 1)) % (4 * terms)] // terms
         matrix[0] //= 2
         powers = np.zeros((terms, terms), dtype=object)  # of the shifted polynomials, exact
@@ -99,7 +102,9 @@ class _PreciseSlipSource:
         f = self.fixed
         y, weights = drive.outside(top)
         weights = f.over(weights, f.sqrt(f.one - y))
-        ratio, sums, binomial = f.over(y, top), [], f.one
+        ratio = f.over(y, top)
+        sums = []
+        binomial = f.one
         for j in range(count):
             sums.append(f.times(binomial, weights.sum()))
             weights = f.times(weights, ratio)
@@ -122,17 +127,20 @@ class _PreciseSlipSource:
         """Return the half-integral over ``y < top``, from its `_sums`."""
         f = self.fixed
         y = self._rest + e
-        ratio, value = f.over(top, y), 0 * y
+        ratio = f.over(top, y)
+        value = 0 * y
         for c in sums[::-1]:
             value = f.times(value, ratio) + c
         return np.asarray(f.over(value, f.sqrt(y)))
 
     def _near(self, e: Ints) -> Ints:
         """Return the half-integral over three quarters of the slip zone, by recurrences."""
-        w, x = self._wide, self._extra
+        w = self._wide
+        x = self._extra
         length = self._length << x
         eps = w.over(e << x, length)
-        inner, outer = w.sqrt(eps), w.sqrt(w.one + eps)
+        inner = w.sqrt(eps)
+        outer = w.sqrt(w.one + eps)
         powers = self._powers
         if self._folded:
             last = 2 * (outer - inner)
@@ -143,15 +151,19 @@ class _PreciseSlipSource:
             total = w.times(total, w.sqrt(length))
         else:
             gamma = w.over(self._square << x, length)
-            root, reach = w.sqrt(gamma), w.sqrt(w.one + gamma)
-            both, product, sum_ = w.times(outer, reach), w.times(gamma, eps), gamma + eps
+            root = w.sqrt(gamma)
+            reach = w.sqrt(w.one + gamma)
+            both = w.times(outer, reach)
+            product = w.times(gamma, eps)
+            sum_ = gamma + eps
             quotient = w.over(outer + reach, inner + root)
             before = 2 * w.map(w.mp.log, quotient)
             last = both - w.times(inner, root) - w.times(sum_, before) // 2
             total = w.times(powers[0], before) + w.times(powers[1], last)
             for k in range(1, len(powers) - 1):
                 rise = both - (2 * k + 1) * w.times(sum_, last) // 2 - k * w.times(product, before)
-                before, last = last, rise // (k + 1)
+                before = last
+                last = rise // (k + 1)
                 total = total + w.times(powers[k + 1], last)
         return np.asarray((total >> x) // 2)
 
@@ -190,7 +202,8 @@ def solve_one_disk(
     # inverse root, which is larger than the root at distances that are smaller than the error: the
     # radius needs twice the digits.
     goal = mp.mpf(10) ** -((disk.mesh.digits + 2) if beta else 2 * disk.mesh.digits)
-    before, step = None, mp.mpf(10) ** -13
+    before = None
+    step = mp.mpf(10) ** -13
     for number in range(1, _MOST_TRIALS + 2):
         tell(f"stick radius, trial {number}")
         trial = _PreciseTrial(drive, disk, beta, friction, mp.mpf(logit))
@@ -200,7 +213,8 @@ def solve_one_disk(
             step = -trial.mismatch / mp.mpf(slope)
             if abs(step) <= goal and abs(trial.mismatch) <= 10 * goal * trial.scale:
                 return trial.outcome(slope)
-        before, logit = trial.mismatch, trial.logit + step
+        before = trial.mismatch
+        logit = trial.logit + step
     raise ConvergenceError("the stick radius does not settle", "ask for fewer digits")
 
 
@@ -210,10 +224,14 @@ class _PreciseTrial:
     def __init__(
         self, drive: PreciseDrive, disk: Disk, beta: Any, friction: Any, logit: Any
     ) -> None:
-        f, mp = drive.fixed, drive.fixed.mp
-        self._drive, self._disk, self._friction = drive, disk, friction
+        f = drive.fixed
+        mp = drive.fixed.mp
+        self._drive = drive
+        self._disk = disk
+        self._friction = friction
         self.logit = logit
-        self.square, self.rest = f.of(1 / (1 + mp.exp(-logit))), f.of(1 / (1 + mp.exp(logit)))
+        self.square = f.of(1 / (1 + mp.exp(-logit)))
+        self.rest = f.of(1 / (1 + mp.exp(logit)))
         self._compliance = f.over(beta, f.sqrt(self.square))
         self._source = _PreciseSlipSource(drive, self.square, self.rest, disk.mesh.digits)
         edge = np.array([self.rest], dtype=object)
@@ -232,14 +250,16 @@ class _PreciseTrial:
     @cached_property
     def _coefficients(self) -> Ints:
         """Coefficients of the traction on the stick disk."""
-        f, disk = self._drive.fixed, self._disk
+        f = self._drive.fixed
+        disk = self._disk
         e = f.times(self.square, disk.d)
         target = self._drive.target(self.rest + e) - f.times(self._friction, self._source(e))
         return disk.solve(self._compliance, target, tangential=True)
 
     def outcome(self, slope: Any) -> PreciseOneDisk:
         """Return the solution at this radius."""
-        f, disk = self._drive.fixed, self._disk
+        f = self._drive.fixed
+        disk = self._disk
         outside = f.times(self._friction, self._drive.outside(self.rest)[1].sum())
         shear = f.times(self.square, disk.shear(self._coefficients))
         shear += f.times(2 * f.of(f.mp.pi), outside)

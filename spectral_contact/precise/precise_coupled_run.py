@@ -43,7 +43,9 @@ class PreciseCoupledRun:
     def __init__(
         self, scene: Scene, digits: int, width: float, tell: Callable[[str], None] = silent
     ) -> None:
-        self.scene, self.digits, self._width = scene, digits, width
+        self.scene = scene
+        self.digits = digits
+        self._width = width
         compliances = scene.normal_compliance, scene.tangential_compliance
         layers = [max(-log(c), 0.0) for c in compliances if c]
         self._smooth = not layers
@@ -77,7 +79,8 @@ class PreciseCoupledRun:
 
     def _solve(self, normal: Disk, tangential: Disk) -> None:
         """Set approach, shear and the series of the fields."""
-        f, scene = self.fixed, self.scene
+        f = self.fixed
+        scene = self.scene
         alpha, beta = f.of([scene.normal_compliance, scene.tangential_compliance])
         pair = CoupledDisk(normal, tangential).solve(alpha, beta, f.of(self.kappa))
         # the load is 2 pi int p s ds = 4 int F dt
@@ -93,7 +96,8 @@ class PreciseCoupledRun:
 
     def breaches(self) -> list[Breach]:
         """Return where |q| exceeds f p, which is everywhere if p < 0, or is not known not to."""
-        f, scene = self.fixed, self.scene
+        f = self.fixed
+        scene = self.scene
         if scene.friction == inf:
             return []
         compliances = scene.normal_compliance, scene.tangential_compliance
@@ -132,7 +136,9 @@ class PreciseCoupledRun:
 
     def _field(self, k: int, s: Any, from_edge: Any) -> Any:
         """Return p or q/s."""
-        f, mp, y = self.fixed, self.fixed.mp, from_edge * (1 + s)
+        f = self.fixed
+        mp = self.fixed.mp
+        y = from_edge * (1 + s)
         if self.scene.normal_compliance if k == 0 else self.scene.tangential_compliance:
             return f.numbers(self._series[k].at(f.of(y)))
         edge = mp.nan if self._smooth else mp.sign(f.numbers(self._series[k].limit)) * mp.inf
@@ -153,7 +159,8 @@ class PreciseCoupledRun:
     @cached_property
     def _amplitude_and_phase(self) -> tuple[Any, Any]:
         """Amplitude and phase at `_oscillation_start` of ``sqrt(y) (p + i q)``."""
-        f, mp = self.fixed, self.fixed.mp
+        f = self.fixed
+        mp = self.fixed.mp
         at = f.of([mp.exp(-mp.mpf(self._oscillation_start))])
         p, u = (f.numbers(one.at(at))[0] for one in self._series)
         return mp.hypot(p, u), mp.atan2(u, p)
@@ -165,7 +172,8 @@ class PreciseCoupledRun:
 
     def _oscillating(self, x: Any) -> tuple[Any, Any]:
         """Return p and q, times ``sqrt(y)``, near the edge of a smooth surface."""
-        mp, (size, phase) = self.fixed.mp, self._amplitude_and_phase
+        mp = self.fixed.mp
+        (size, phase) = self._amplitude_and_phase
         angle = phase + self._theta * (x - self._oscillation_start)
         return size * mp.cos(angle), size * mp.sin(angle)
 
@@ -177,7 +185,9 @@ class PreciseCoupledRun:
 
         The sign is taken at four places in each unit of ``x = -ln y``.
         """
-        f, mp, series = self.fixed, self.fixed.mp, self._series[0]
+        f = self.fixed
+        mp = self.fixed.mp
+        series = self._series[0]
         last = self._oscillation_start if self._smooth else self.depth
         x = np.linspace(1e-3, last, ceil(4.0 * last))
         signs = np.sign(f.floats(series.at(f.exp(-f.of(x)), f.of(x))))
@@ -202,7 +212,8 @@ class PreciseCoupledRun:
 
     def edge_ratio(self) -> Any:
         """Return q/p at the edge; None where it has no limit or no meaning."""
-        mp, scene = self.fixed.mp, self.scene
+        mp = self.fixed.mp
+        scene = self.scene
         if self._smooth or self.opening is not None:
             return None
         if scene.normal_compliance == 0.0:

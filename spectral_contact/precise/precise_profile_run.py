@@ -67,8 +67,11 @@ class PreciseProfileRun:
         tell: Callable[[str], None],
         start: InitialContact | None = None,
     ) -> None:
-        self.scene, self.digits, self._tell = scene, digits, tell
-        profile, alpha = scene.profile, scene.normal_compliance
+        self.scene = scene
+        self.digits = digits
+        self._tell = tell
+        profile = scene.profile
+        alpha = scene.normal_compliance
         adhesion = scene.work_of_adhesion or 0.0
         assert profile is not None
         #: whether the radius is fixed, so that the approach is the unknown
@@ -78,7 +81,8 @@ class PreciseProfileRun:
             assert start is not None
             tell("operators")
             layered = LayeredIndented(profile, scene.layer, start, digits, width)
-            self.mp, self.bits = layered.fixed.mp, layered.fixed.bits
+            self.mp = layered.fixed.mp
+            self.bits = layered.fixed.bits
             self._solve: Callable[[Any], Contact] = layered.solve
         elif alpha == 0.0:
             mp = self.mp = MPContext()
@@ -88,7 +92,8 @@ class PreciseProfileRun:
         else:
             tell("operators")
             solver = RoughIndented(profile, alpha, float(guess), digits, width, adhesion)
-            self.mp, self.bits = solver.fixed.mp, solver.fixed.bits
+            self.mp = solver.fixed.mp
+            self.bits = solver.fixed.bits
             self._solve = solver.solve
         self.contact = self._found(guess)
 
@@ -102,7 +107,8 @@ class PreciseProfileRun:
 
         The unknown is the radius or, if that is fixed, the approach.
         """
-        scene, mp = self.scene, self.mp
+        scene = self.scene
+        mp = self.mp
         if self._approach_unknown and scene.approach is not None:
             self._tell("contact")
             return self._solve(mp.mpf(scene.approach))
@@ -131,14 +137,16 @@ class PreciseProfileRun:
 
         Derivatives by the radius are not known with adhesion.
         """
-        scene, mp = self.scene, self.mp
+        scene = self.scene
+        mp = self.mp
         name = "load" if scene.load is not None else "approach"
         before = self._solve(a)
         b = a * (1 + mp.mpf(_APART))
         for step in range(_MOST_STEPS):
             self._tell(f"contact radius, step {step + 1}")
             contact = self._solve(b)
-            value, other = getattr(contact, name), getattr(before, name)
+            value = getattr(contact, name)
+            other = getattr(before, name)
             if abs(b - a) <= abs(b) * mp.mpf(10) ** -self.digits or value == other:
                 return contact
             change = (mp.mpf(getattr(scene, name)) - value) * (b - a) / (value - other)
@@ -155,7 +163,8 @@ class PreciseProfileRun:
     @property
     def values(self) -> dict[str, Any]:
         """Approach, radius, load, stiffness and work."""
-        found, mp = self.contact, self.mp
+        found = self.contact
+        mp = self.mp
         work = found.work
         if self.scene.work_of_adhesion is not None and not isinstance(self.scene.profile, Flat):
             work -= mp.pi * mp.mpf(self.scene.work_of_adhesion) * found.radius**2
@@ -195,13 +204,15 @@ def compared(run: PreciseProfileRun, check: PreciseProfileRun) -> tuple[ErrorEst
     if not (least > -(10.0**-run.digits) and gap > 0):
         told = f"least pressure {float(least):.1e} of its mean, least gap {float(gap):.1e}"
         raise ConvergenceError(f"the solution is no contact: {told}", "report the scene")
-    floor, mp = 10.0**-check.digits, run.mp
+    floor = 10.0**-check.digits
+    mp = run.mp
 
     def error(pairs: Any) -> float:
         ratios = [abs((a - mp.mpf(b)) / mp.mpf(b)) for a, b in pairs if a != b]
         return max(2.0 * float(max(ratios, default=0.0)), floor)
 
-    own, other = run.values, check.values
+    own = run.values
+    other = check.values
     errors = {name: error([(own[name], other[name])]) for name in PRESSED if name in own}
     if run.scene.contact_radius is not None or isinstance(run.scene.profile, Flat):
         errors["contact_radius"] = 0.0
@@ -217,7 +228,9 @@ def compared(run: PreciseProfileRun, check: PreciseProfileRun) -> tuple[ErrorEst
 
 def _places(run: PreciseProfileRun) -> tuple[Any, Any]:
     """Return the radii over a, and distances from the edge, where pressures are compared."""
-    mp, a, profile = run.mp, run.contact.radius, run.scene.profile
+    mp = run.mp
+    a = run.contact.radius
+    profile = run.scene.profile
     assert profile is not None
     rests = [mp.mpf(v) for v in _DEPTHS]
     places = [(1 - rest, rest) for rest in rests]

@@ -59,9 +59,15 @@ class PreciseRun:
         *,
         held: bool = False,
     ) -> None:
-        self.scene, self.digits, self._width = scene, digits, width
-        self.layout, self._held, self._tell, self._near = layout, held, tell, near
-        alpha, beta = scene.normal_compliance, scene.tangential_compliance
+        self.scene = scene
+        self.digits = digits
+        self._width = width
+        self.layout = layout
+        self._held = held
+        self._tell = tell
+        self._near = near
+        alpha = scene.normal_compliance
+        beta = scene.tangential_compliance
         #: ``-ln d`` at which the layer next to the edge begins, for the pressure
         self._layer = _start_of_layer(alpha)
         #: the same next to the rim of the stick disk, for the traction
@@ -90,7 +96,8 @@ class PreciseRun:
 
     def _grade_to_rim(self, alpha: float, beta: float) -> None:
         """Set layer, rate and endpoint weight of the mesh of one stick disk."""
-        c, rest = self._rim.value, self._rim.rest
+        c = self._rim.value
+        rest = self._rim.rest
         if rest == 0.0:
             self._stick_layer = max(self._layer, _start_of_layer(beta))
             self._power = -0.5 if beta == 0.0 else 0.0
@@ -101,7 +108,8 @@ class PreciseRun:
 
     def _decades_of_rim(self, beta: float) -> float:
         """Return the decades that one stick disk adds to the range of the numbers."""
-        c, rest = self._rim.value, self._rim.rest
+        c = self._rim.value
+        rest = self._rim.rest
         decades = abs(log(beta / c or 1.0)) / _LN10
         if rest:
             decades += (2.0 * abs(log(rest)) - 4.0 * log(c)) / _LN10
@@ -143,7 +151,8 @@ class PreciseRun:
     @cached_property
     def drive(self) -> PreciseDrive:
         """The pressure and its transforms."""
-        f, alpha = self.fixed, self.scene.normal_compliance
+        f = self.fixed
+        alpha = self.scene.normal_compliance
         if alpha == 0.0:
             return SmoothDrive(f, self.digits)
         self._tell("normal contact")
@@ -174,7 +183,8 @@ class PreciseRun:
 
     def pressures(self, s: Any, from_edge: Any) -> Any:
         """Return p at mpmath's radii whose distances to the edge are given, too."""
-        mp, y = self.fixed.mp, from_edge * (1 + s)
+        mp = self.fixed.mp
+        y = from_edge * (1 + s)
         if self.scene.normal_compliance == 0.0:  # keeps relative accuracy below 2**-bits
             return np.array([1 / (2 * mp.pi * mp.sqrt(v)) if v else mp.inf for v in y])
         return self.fixed.numbers(self.drive.pressure(self.fixed.of(y)))
@@ -194,7 +204,8 @@ class PreciseRun:
     @cached_property
     def stick_disk(self) -> PreciseOneDisk:
         """The stick disk and its traction if `_one_disk`, for ``kappa = 1``."""
-        f, rim = self.fixed, self._rim
+        f = self.fixed
+        rim = self._rim
         beta = f.of(self.scene.tangential_compliance)
         operators = self._operators(self._stick_layer, self._rate, self._power)
         if rim.from_edge == 0.0:
@@ -212,7 +223,8 @@ class PreciseRun:
     def _problem(self) -> ZoneProblem:
         """The tangential problem on the zones."""
         assert self.layout is not None
-        alpha, beta = self.scene.normal_compliance, self.scene.tangential_compliance
+        alpha = self.scene.normal_compliance
+        beta = self.scene.tangential_compliance
         return ZoneProblem(
             self.drive, alpha, beta, self._friction, self.layout, self.digits, self._width
         )
@@ -242,7 +254,8 @@ class PreciseRun:
 
     def _over_s(self, zone: int, trial: ZoneTrial) -> Ints:
         """Return ``q / s`` at the nodes of a zone that sticks, for ``kappa = 1``."""
-        mesh, f = trial.problem.meshes[zone], self.fixed
+        mesh = trial.problem.meshes[zone]
+        f = self.fixed
         below = mesh.below.ravel()
         if self._one_disk:
             values = f.over(self.stick_disk.traction.at(below), f.sqrt(trial.squares[1]))
@@ -265,7 +278,8 @@ class PreciseRun:
     @cached_property
     def radii(self) -> tuple[tuple[Any, Any], ...]:
         """The boundaries between zones and their distances from the edge."""
-        mp, logits = self.fixed.mp, self.logits
+        mp = self.fixed.mp
+        logits = self.logits
         values = [1 / mp.sqrt(1 + mp.exp(-x)) for x in logits]
         return tuple(
             (b, 1 / ((1 + mp.exp(x)) * (1 + b))) for b, x in zip(values, logits, strict=True)
@@ -302,7 +316,8 @@ class PreciseRun:
 
     def _in_stick(self, zone: int, s: Any, from_edge: Any) -> Any:
         """Return q at radii in a zone that sticks."""
-        mp, y = self.fixed.mp, from_edge * (1 + s)
+        mp = self.fixed.mp
+        y = from_edge * (1 + s)
         if self._smooth:
             ratios = [
                 -(mp.log1p(-r * r) if r < 0.5 else mp.log(v)) / r if r and v else mp.zero
@@ -331,7 +346,8 @@ class PreciseRun:
 
     def edge_ratio(self) -> Any:
         """Return q/p at the edge in full stick; None in partial slip, or without friction."""
-        f, scene = self.fixed, self.scene
+        f = self.fixed
+        scene = self.scene
         if scene.friction is not None and self.kappa == 0:
             return f.mp.zero
         if self.layout is None or self.radii:

@@ -39,13 +39,13 @@ __all__ = ["Enclosure", "enclose_approach", "enclose_edge_pressure"]
 
 #: Bits of the midpoints of balls: their rounding is far below the residuals of doubles.
 _BITS: Final = 192
-#: Numbers of polynomials: the first one, doubled up to the last.
+#: Number of polynomials of the first trial; it is doubled up to `_MOST_TERMS`.
 _FEWEST_TERMS: Final = 256
 _MOST_TERMS: Final = 65536
 #: The residual is expanded in more polynomials than the solution, by this factor; the rest of it,
 #: its tail, is bounded.
 _EXPANDED: Final = 4
-#: Conjugate gradients stop when what their residual adds to the width of the interval is so many
+#: Conjugate gradients stop when the width that their residual adds to the interval is this many
 #: digits below the width asked for.
 _SPARE_DIGITS: Final = 2
 _MOST_DIGITS: Final = 30
@@ -191,13 +191,13 @@ def _narrow(scene: Scene, digits: int, *, edge: bool) -> Enclosure:
             expansion = _Expansion(flint, scene.normal_compliance, terms, digits)
             ball = expansion.edge_pressure() if edge else expansion.approach()
             ball *= flint.arb(scene.unloaded_to)  # both are proportional to the load
-            found = Enclosure(_end(ball.lower()), _end(ball.upper()), terms)
-            if found.width <= 10.0**-digits:
-                return found
+            enclosure = Enclosure(_end(ball.lower()), _end(ball.upper()), terms)
+            if enclosure.width <= 10.0**-digits:
+                return enclosure
             if terms == _MOST_TERMS:
-                told = f"{found.digits} of {digits} digits are proved with {terms} polynomials"
+                cause = f"{enclosure.digits} of {digits} digits are proved with {terms} polynomials"
                 remedy = "ask for fewer digits, or take `solution` of this error, the interval"
-                raise ConvergenceError(told, remedy, found)
+                raise ConvergenceError(cause, remedy, enclosure)
             terms *= 2
 
 
@@ -272,18 +272,20 @@ class _Expansion:
         ``<u, u> + 2 <v, r> + 2 <rho, A^-1 r> + <A^-1 r, A^-1 r>``.
         """
         second = _galerkin(float(self.alpha), self.trial, self.digits)
-        rest = self._residual(self.trial, second)
+        second_residual = self._residual(self.trial, second)
         trial = self._balls(self.trial)
         norm = self._product(trial, [a / (2 * (2 * k + 1)) for k, a in enumerate(trial)])
         first = norm + 2 * self._product(self._balls(second), self.residual.products)
-        crossed = 2 * (rest.squared * self.residual.squared).sqrt() / self.alpha
-        return first - crossed, first + crossed + self.residual.squared / self.alpha**2
+        mixed_term = 2 * (second_residual.squared * self.residual.squared).sqrt() / self.alpha
+        return first - mixed_term, first + mixed_term + self.residual.squared / self.alpha**2
 
     def _residual(self, source: np.ndarray, trial: np.ndarray) -> _Residual:
         """Return ``source - A trial``."""
         arb = self.flint.arb
-        terms, expanded = self.terms, _EXPANDED * self.terms
-        source_balls, balls = self._balls(source), self._balls(trial)
+        terms = self.terms
+        expanded = _EXPANDED * self.terms
+        source_balls = self._balls(source)
+        balls = self._balls(trial)
         scaled = [a / (2 * k + 1) for k, a in enumerate(balls)]
         near = self._convolved(range(1 - terms, expanded), scaled)  # sum_k h(m - k) b_k
         far = self._convolved(range(1, expanded + terms), scaled[::-1])  # sum_k h(m + k + 1) b_k
@@ -348,7 +350,8 @@ def _galerkin(compliance: float, source: np.ndarray, digits: int) -> np.ndarray:
         solution += step * direction
         residual -= step * image
         conditioned = residual / diagonal
-        before, energy = energy, float(residual @ conditioned)
+        before = energy
+        energy = float(residual @ conditioned)
         direction = conditioned + energy / before * direction
     return solution
 
@@ -359,7 +362,7 @@ def _kernel(j: np.ndarray) -> np.ndarray:
 
 
 def _end(ball: Any) -> Any:
-    """Return the midpoint of a ball as an mpf, exactly: all of a ball that has the radius 0."""
+    """Return the midpoint of a ball as an mpf, exactly; a ball of radius 0 is its midpoint."""
     mantissa, exponent = ball.mid().man_exp()
     return _exact(int(mantissa), int(exponent))
 
@@ -367,7 +370,7 @@ def _end(ball: Any) -> Any:
 def _exact(mantissa: int, exponent: int) -> Any:
     """Return ``mantissa * 2**exponent`` as an mpf, without rounding.
 
-    Its context has as many bits as balls: so many have numbers that are computed from it.
+    Its context has as many bits as balls, which numbers computed from it then have, too.
     """
     context = MPContext()
     context.prec = _BITS

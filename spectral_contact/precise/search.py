@@ -91,7 +91,8 @@ def lawful(
             return run
         if isinstance(run, PreciseCoupledRun):
             raise NotComputedError("the reference", f"it slips: {found[0]}")
-        layout, held = _changed(run, found), False
+        layout = _changed(run, found)
+        held = False
     raise _no_zones(found)
 
 
@@ -105,7 +106,8 @@ def _no_zones(found: list[Breach]) -> ConvergenceError:
 def _changed(run: PreciseRun, found: list[Breach]) -> PreciseLayout:
     """Return zones whose states are changed where the friction law does not hold."""
     assert run.layout is not None
-    states, logits = run.layout.states, run.logits
+    states = run.layout.states
+    logits = run.logits
     if found:
         known = [one for one in found if one.decided]
         if not known:

@@ -150,7 +150,9 @@ class ZoneProblem:
         digits: int,
         width: float,
     ) -> None:
-        self.drive, self.friction, self.states = drive, friction, layout.states
+        self.drive = drive
+        self.friction = friction
+        self.states = layout.states
         self.digits = digits
         f = drive.fixed
         self.beta = f.of(beta)
@@ -164,10 +166,11 @@ class ZoneProblem:
         pieces = zip(self.sticking, pairwise(self.offsets), strict=True)
         return {k: flat[a:b].reshape(self.meshes[k].above.shape) for k, (a, b) in pieces}
 
-    def share(self, step: Array, flat: Ints) -> float:
+    def relative_step(self, step: Array, flat: Ints) -> float:
         """Return the largest step relative to the largest value in its zone."""
         f = self.drive.fixed
-        steps, values = self.split(step), self.split(flat)
+        steps = self.split(step)
+        values = self.split(flat)
         return max(
             float(np.abs(steps[k]).max() / np.abs(f.floats(values[k])).max()) for k in self.sticking
         )
@@ -196,8 +199,10 @@ class ZoneTrial:
     def __init__(
         self, problem: ZoneProblem, logits: Sequence[Any], last: int | None = None
     ) -> None:
-        self.problem, self.logits = problem, logits
-        f, mp = problem.drive.fixed, problem.drive.fixed.mp
+        self.problem = problem
+        self.logits = logits
+        f = problem.drive.fixed
+        mp = problem.drive.fixed.mp
         #: logits of the ends of all zones, infinite at the centre and at the edge
         self.ends = [-mp.inf, *logits, mp.inf]
         self._f = f
@@ -253,7 +258,8 @@ class ZoneTrial:
         wanted : sequence of int
             Zones, up to `last`.
         """
-        f, problem = self._f, self.problem
+        f = self._f
+        problem = self.problem
         values = {**self.slip, **sticking}
         inner = []
         for k in range(max(wanted) + 1):
@@ -272,7 +278,8 @@ class ZoneTrial:
 
     def mismatch(self, flat: Ints) -> Ints:
         """Return the jumps of the traction at the boundaries, over f p."""
-        f, values = self._f, self.problem.split(flat)
+        f = self._f
+        values = self.problem.split(flat)
         limits = {k: self.problem.meshes[k].limits(v) for k, v in values.items()}
         # one of two neighbours sticks, with the state 0; the state of the other, which slips, is
         # the sign of the traction at their boundary
@@ -286,7 +293,8 @@ class ZoneTrial:
     @cached_property
     def _stuck_ends(self) -> list[_StuckEnd]:
         """The ends of zones that stick, one at each boundary."""
-        f, problem = self._f, self.problem
+        f = self._f
+        problem = self.problem
         p = problem.drive.pressure(np.array(self.rests[1:-1], dtype=object))
         factors = f.over(f.sqrt(np.array(self.squares[1:-1])), f.times(problem.friction, p))
         return [
@@ -296,7 +304,8 @@ class ZoneTrial:
 
     def conditions(self) -> Array:
         """Return the derivative of the mismatch by the unknowns in double precision."""
-        f, problem = self._f, self.problem
+        f = self._f
+        problem = self.problem
         rows = np.zeros((len(self._stuck_ends), problem.offsets[-1]))
         for row, (k, end, factor) in zip(rows, self._stuck_ends, strict=True):
             limit = problem.meshes[k].blocks.limit
@@ -306,12 +315,14 @@ class ZoneTrial:
 
     def matrix(self) -> Array:
         """Return the matrix of the residual in double precision."""
-        f, problem = self._f, self.problem
+        f = self._f
+        problem = self.problem
         matrix = np.zeros((problem.offsets[-1],) * 2)
         parts = pairwise(problem.offsets)
         places = {k: slice(a, b) for k, (a, b) in zip(problem.sticking, parts, strict=True)}
         for k in range(self.last + 1):
-            mesh, own = problem.meshes[k], sqrt(float(f.numbers(self.widths[k])))
+            mesh = problem.meshes[k]
+            own = sqrt(float(f.numbers(self.widths[k])))
             root = np.sqrt(f.floats(self.z[k])).reshape(-1, 1) / pi
             outward = [c for c in problem.sticking if c >= k]
             half = {
@@ -329,7 +340,8 @@ class ZoneTrial:
 
     def outcome(self, flat: Ints, slopes: Array | None = None) -> Zones:
         """Return the solution."""
-        f, problem = self._f, self.problem
+        f = self._f
+        problem = self.problem
         values = {**self.slip, **problem.split(flat)}
         shear = 0
         for k, mesh in enumerate(problem.meshes):

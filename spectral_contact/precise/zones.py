@@ -108,7 +108,8 @@ def _settled(
     The first of the goals is the largest last step of the boundaries, in logits, and of the
     tractions; the second is that of the boundaries in the measure of `_length`.
     """
-    f, problem = trial.problem.drive.fixed, trial.problem
+    f = trial.problem.drive.fixed
+    problem = trial.problem
     before = shift = np.zeros_like(slopes[0])
     size = 0.0  # of the last step of the boundaries, in logits
     expected = 0.0  # size of the next one
@@ -119,8 +120,10 @@ def _settled(
         # the errors of the tractions
         if size > 1e6 * goals[0]:
             slopes = slopes + np.outer(mismatch - before - slopes @ shift, shift) / (shift @ shift)
-        before, shift = mismatch, _step(slopes, mismatch)
-        size, length = float(np.abs(shift).max()), _length(shift, trial.logits)
+        before = mismatch
+        shift = _step(slopes, mismatch)
+        size = float(np.abs(shift).max())
+        length = _length(shift, trial.logits)
         # under little compliance steps below the goal change the traction enough for the friction
         # law to be violated: the jumps are checked, too
         continuous = np.abs(mismatch).max() <= _CONTINUOUS * goals[0]
@@ -155,14 +158,15 @@ class _Preconditioned:
     """The equations for the tractions of a trial, factored in double precision."""
 
     def __init__(self, trial: ZoneTrial) -> None:
-        self._f, self._factored = trial.problem.drive.fixed, DoubleFactors(trial.matrix())
+        self._f = trial.problem.drive.fixed
+        self._factored = DoubleFactors(trial.matrix())
 
     def refined(self, trial: ZoneTrial, flat: Ints, goal: float) -> Ints:
         """Return the tractions of a trial to the accuracy `goal`, refined from `flat`."""
         for _ in range(_MOST_SWEEPS):
             step = -self._factored.solved(self._f.floats(trial.residual(flat)))
             flat = np.asarray(flat + self._f.of(step))
-            if trial.problem.share(step, flat) <= goal:
+            if trial.problem.relative_step(step, flat) <= goal:
                 return flat
         raise ConvergenceError("the tractions do not settle", "ask for fewer digits")
 
@@ -174,7 +178,8 @@ class _Preconditioned:
         """
         f = self._f
         before = trial.residual(flat), trial.mismatch(flat)
-        columns, corner = [], []
+        columns = []
+        corner = []
         for j in range(len(trial.logits)):
             logits = list(trial.logits)
             logits[j] += f.mp.ldexp(1, -_STEP_BITS)

@@ -52,7 +52,8 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
 
     The scene is a mapping of all that it has, the compliance checked already.
     """
-    profile, layer = scene["profile"], scene["layer"]
+    profile = scene["profile"]
+    layer = scene["layer"]
     given = {name: scene[name] for name in ALL_CONTROLS if scene[name] is not None}
     if profile is None:
         for name, value in given.items():
@@ -82,11 +83,13 @@ def _reached(value: Any, profile: Profile, layer: Any, compliance: float, adhesi
     if isinstance(profile, Flat) or (layer is not None and isinf(layer.start)):
         told = "None: the contact has no edge that moves; give a load or an approach"
         raise SceneError("contact_radius", value, told)
-    low, high = profile.flat_part, profile.reach
+    low = profile.flat_part
+    high = profile.reach
     told = f"finite, and in ({low:.6g}, {high:.6g}), the range of the profile"
     limits: dict[str, Any] = {"low": low, "high": high, "low_open": True, "high_open": True}
     if adhesive and low > 0.0:  # the contact may be the flat part alone
-        told, limits["low_open"] = told.replace("(", "[", 1), False
+        told = told.replace("(", "[", 1)
+        limits["low_open"] = False
     radius = real("contact_radius", value, allowed=told, **limits)
     if compliance and not SMALLEST_COMPLIANCE <= compliance / radius <= LARGEST_COMPLIANCE:
         told = "such that normal_compliance / contact_radius is in [1e-14, 1e14]"
@@ -126,7 +129,8 @@ def simplified(profile: Any) -> Any:
     """Return a profile, two parabolas as one and the two of any other sum in a fixed order."""
     if not isinstance(profile, Sum):
         return profile
-    first, second = profile.first, profile.second
+    first = profile.first
+    second = profile.second
     if isinstance(first, Parabola) and isinstance(second, Parabola):
         return Parabola(float(1 / (1 / Fraction(first.radius) + 1 / Fraction(second.radius))))
     return profile if repr(first) <= repr(second) else Sum(second, first)

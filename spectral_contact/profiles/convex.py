@@ -60,7 +60,8 @@ def convex_pieces(
     edges = [radii[0]]
     rows: list[tuple[float, ...]] = []
     for i, secant in enumerate(secants.tolist()):
-        below, above = secant - float(begin[i]), float(end[i]) - secant
+        below = secant - float(begin[i])
+        above = float(end[i]) - secant
         if straight[i]:
             rows.append((secant,))
         elif max(below, above) <= _CUBIC_RATIO * min(below, above):
@@ -116,8 +117,10 @@ def _end_slopes(r: Array, heights: Array, s: Array, straight: Array) -> tuple[Ar
     They are equal where two intervals meet, except at corners of the points.
     """
     at_points = _point_slopes(r, heights, s)
-    begin, end = at_points[:-1].copy(), at_points[1:].copy()
-    begin[straight], end[straight] = s[straight], s[straight]
+    begin = at_points[:-1].copy()
+    end = at_points[1:].copy()
+    begin[straight] = s[straight]
+    end[straight] = s[straight]
     for i in range(1, len(s)):
         # a straight interval fixes the slope of the next one
         if straight[i - 1] and not straight[i]:
@@ -132,7 +135,8 @@ def _end_slopes(r: Array, heights: Array, s: Array, straight: Array) -> tuple[Ar
         lowest = s[-1] + (s[-1] - begin[-1]) / _CUBIC_RATIO
         highest = s[-1] + _CUBIC_RATIO * (s[-1] - begin[-1])
         end[-1] = min(max(end[-1], lowest), highest)
-    below, above = s - begin, end - s
+    below = s - begin
+    above = end - s
     end = np.minimum(end, s + _LARGEST_RATIO * below)
     begin = np.maximum(begin, s - _LARGEST_RATIO * above)
     # Limiting the ratios may leave a jump of the slope at a point. There is none after all if one

@@ -22,20 +22,23 @@ from spectral_contact.profiles.profile_base import Profile
 
 Rows = tuple[tuple[float, ...], ...]
 
-#: Degrees that are tried, and how small the last coefficients of a fit must be, relative to the
-#: largest slope on the piece.
-_DEGREES, _EXACT = (15, 31, 63, 127), 2e-14
-#: Most coefficients of the slope on the first piece of a rounded tip that the disk resolves without
-#: panels to the centre. A function with more varies over less than half of the piece.
-_GENTLE = 32
+#: Degrees of a fit, which are tried in turn.
+_DEGREES = (15, 31, 63, 127)
+#: A fit is accepted if its last coefficients are at most this, relative to the largest slope on the
+#: piece.
+_FIT_ACCURACY = 2e-14
+#: If the slope on the first piece of a rounded tip has at most this many coefficients, the disk
+#: resolves it without panels to the centre. With more it varies over less than half of the piece.
+_MOST_GENTLE_TERMS = 32
 #: Estimated ratio of the sum of all terms that a fit omits to its last coefficients.
-_DROPPED = 8.0
-#: Fractions of the largest slope by which the slope may fall, and of the largest height by which a
-#: height may differ from the integral of the slope.
-_SLACK, _ALIKE = 1e-11, 1e-9
+_OMITTED_FACTOR = 8.0
+#: Fraction of the largest slope by which the slope may fall.
+_SLOPE_SLACK = 1e-11
+#: Fraction of the largest height by which a height may differ from the integral of the slope.
+_HEIGHT_TOLERANCE = 1e-9
 #: Number of points at which the slope of a piece is checked.
-_LOOKS = 257
-#: Radii at once, so that what is made of them stays in a cache.
+_CHECKED_POINTS = 257
+#: Number of radii that are evaluated at once, so that intermediate arrays stay in a cache.
 _BLOCK = 2048
 
 
@@ -48,7 +51,7 @@ class Sampled(Profile):
     Parameters
     ----------
     edges : tuple of float
-        Where the pieces begin and end: from 0, increasing.
+        Radii at which the pieces begin and end: from 0, increasing.
     slopes : tuple of tuple of float
         Chebyshev coefficients of the slope ``h'`` on each piece.
     rounded : bool
@@ -96,7 +99,7 @@ class Sampled(Profile):
         height, slope : callable
             ``h`` and ``h'`` at an array of radii, in the reference length.
         reach : float
-            Up to which radius; the contact has to stay below it. Finite and > 0.
+            Radius at which the profile ends; the contact has to stay below it. Finite and > 0.
         breaks : sequence of float
             Radii in between at which a derivative jumps: the slope has to be smooth elsewhere.
         rounded : bool
@@ -121,15 +124,17 @@ class Sampled(Profile):
             for low, high in pairwise(edges)
         )
         profile = cls(edges, rows, rounded)
-        r = np.linspace(0.0, reach, _LOOKS)
-        given, own = values_at("height", height, r), profile._height(r)
-        scale = max(float(np.abs(own).max()), float(np.abs(given).max()))
-        if not abs(given[0]) <= _ALIKE * scale:
+        r = np.linspace(0.0, reach, _CHECKED_POINTS)
+        given = values_at("height", height, r)
+        integrated = profile._height(r)
+        scale = max(float(np.abs(integrated).max()), float(np.abs(given).max()))
+        if not abs(given[0]) <= _HEIGHT_TOLERANCE * scale:
             raise SceneError("height", float(given[0]), "0 at the centre")
-        off = ~(np.abs(given - own) <= _ALIKE * scale)
-        if off.any():
-            told = f"{own[off][0]:.10g} at the radius {r[off][0]:.6g}, the integral of the slope"
-            raise SceneError("height", float(given[off][0]), told)
+        wrong = ~(np.abs(given - integrated) <= _HEIGHT_TOLERANCE * scale)
+        if wrong.any():
+            integral = f"{integrated[wrong][0]:.10g}"
+            allowed = f"{integral} at the radius {r[wrong][0]:.6g}, the integral of the slope"
+            raise SceneError("height", float(given[wrong][0]), allowed)
         return profile
 
     @classmethod
@@ -180,7 +185,7 @@ class Sampled(Profile):
     @property
     def pointed(self) -> bool:
         """Whether panels are graded to the centre, as for a tip that is sharp or hardly rounded."""
-        graded = not self.rounded or len(self.slopes[0]) > _GENTLE
+        graded = not self.rounded or len(self.slopes[0]) > _MOST_GENTLE_TERMS
         return graded and self.flat_part == 0.0
 
     @property
@@ -227,9 +232,10 @@ class Sampled(Profile):
 
     def _rate(self, t: Array, past: Array) -> Array:
         t = np.asarray(t, dtype=float)
-        mean, bent = self._means(t)
-        rate = 2.0 * mean + 2.0 * t * bent
-        rows, edges = [row for _, row in self._pieces()], self.edges
+        mean, second_mean = self._means(t)
+        rate = 2.0 * mean + 2.0 * t * second_mean
+        rows = [row for _, row in self._pieces()]
+        edges = self.edges
         for k in range(1, len(rows)):
             jump = float(chebyshev.chebval(-1.0, rows[k]) - chebyshev.chebval(1.0, rows[k - 1]))
             # from the last break below t the distance is given, without the cancellation of t
@@ -242,17 +248,19 @@ class Sampled(Profile):
 
     def _means(self, t: Array, both: bool = True) -> tuple[Array, Array]:
         """Return ``int_0^(pi/2) h' (t sin phi) dphi``, and if wanted that of h'' sin phi."""
-        shape, t = np.shape(t), np.ravel(t)
-        total, bent = np.zeros(len(t)), np.zeros(len(t))
+        shape = np.shape(t)
+        t = np.ravel(t)
+        total = np.zeros(len(t))
+        second_mean = np.zeros(len(t))
         for start in range(0, len(t), _BLOCK):
             block = slice(start, start + _BLOCK)
-            self._add_means(t[block], total[block], bent[block] if both else None)
-        return total.reshape(shape), bent.reshape(shape)
+            self._add_means(t[block], total[block], second_mean[block] if both else None)
+        return total.reshape(shape), second_mean.reshape(shape)
 
-    def _add_means(self, t: Array, total: Array, bent: Array | None) -> None:
+    def _add_means(self, t: Array, total: Array, second_mean: Array | None) -> None:
         for (low, high), row in self._pieces():
-            reached = np.flatnonzero((t > low) | (low == 0.0))
-            at = t[reached]
+            inside = np.flatnonzero((t > low) | (low == 0.0))
+            at = t[inside]
             safe = np.where(at > 0.0, at, 1.0)
             # a polynomial of the sine, over a quarter of a turn at most
             g, w = _gauss(len(row) + min(len(row) + 6, 16))
@@ -261,38 +269,40 @@ class Sampled(Profile):
             half = (end - begin) / 2.0
             sine = np.sin(begin + half * (1.0 + g)[:, None])
             local = np.clip(2.0 * (at * sine - low) / (high - low) - 1.0, -1.0, 1.0)
-            total[reached] += half * (w @ chebyshev.chebval(local, row))
-            if bent is not None:
+            total[inside] += half * (w @ chebyshev.chebval(local, row))
+            if second_mean is not None:
                 slopes = 2.0 / (high - low) * chebyshev.chebder(row)
-                bent[reached] += half * (w @ (chebyshev.chebval(local, slopes) * sine))
+                second_mean[inside] += half * (w @ (chebyshev.chebval(local, slopes) * sine))
 
     def _slope_error(self, radius: float) -> float:
-        met = [row for (low, _), row in self._pieces() if low < radius]
-        return max(map(_series_error, met))
+        rows = [row for (low, _), row in self._pieces() if low < radius]
+        return max(map(_series_error, rows))
 
     def _pieces(self) -> list[tuple[tuple[float, float], Array]]:
         ends = pairwise(self.edges)
         return [(pair, np.array(row)) for pair, row in zip(ends, self.slopes, strict=True)]
 
     def _check_convex(self) -> None:
-        nodes = np.cos(np.pi * np.linspace(1.0, 0.0, _LOOKS))
-        r, slope = [], []
+        nodes = np.cos(np.pi * np.linspace(1.0, 0.0, _CHECKED_POINTS))
+        r = []
+        slope = []
         for (low, high), row in self._pieces():
             r.append(low + (high - low) * (1.0 + nodes) / 2.0)
             slope.append(chebyshev.chebval(nodes, row))
-        at, values = np.concatenate(r), np.concatenate(slope)
-        slack = _SLACK * float(np.abs(values).max())
+        at = np.concatenate(r)
+        values = np.concatenate(slope)
+        slack = _SLOPE_SLACK * float(np.abs(values).max())
         if values[-1] <= 0.0:
             raise SceneError("slope", float(values[-1]), "positive where the profile ends")
         if values.min() < -slack:
             worst = int(values.argmin())
-            told = f"at least 0, also at the radius {at[worst]:.6g}"
-            raise SceneError("slope", float(values[worst]), told)
+            allowed = f"at least 0, also at the radius {at[worst]:.6g}"
+            raise SceneError("slope", float(values[worst]), allowed)
         falls = np.diff(values) < -slack
         if falls.any():
             worst = int(np.flatnonzero(falls)[0])
-            told = f"convex: the slope may not fall, as it does at the radius {at[worst]:.6g}"
-            raise SceneError("profile", f"a slope of {values[worst + 1]:.6g}", told)
+            allowed = f"convex: the slope may not fall, as it does at the radius {at[worst]:.6g}"
+            raise SceneError("profile", f"a slope of {values[worst + 1]:.6g}", allowed)
 
 
 @cache
@@ -303,15 +313,15 @@ def _gauss(points: int) -> tuple[Array, Array]:
 
 def _series_error(row: Array) -> float:
     """Return a bound on the error of a series that `_fitted` made."""
-    # a fit is accepted if its last coefficients are _EXACT of its largest value, of which the sum
-    # of the moduli of its coefficients is a bound
-    error = _EXACT * float(np.abs(row).sum())
+    # A fit is accepted if its last coefficients are _FIT_ACCURACY of its largest value. The sum of
+    # the moduli of its coefficients bounds that value.
+    error = _FIT_ACCURACY * float(np.abs(row).sum())
     if len(row) <= _DEGREES[-1]:
         return error
     last = float(np.abs(row[-2:]).max())
-    if last > _EXACT * float(np.abs(row).sum()):  # it is not resolved
+    if last > _FIT_ACCURACY * float(np.abs(row).sum()):  # it is not resolved
         return error + 2.0 * float(np.abs(row[len(row) // 2 :]).sum())
-    return error + _DROPPED * last
+    return error + _OMITTED_FACTOR * last
 
 
 def _fitted(
@@ -335,9 +345,9 @@ def _fitted(
         flat part, values may consist of rounding, which no polynomial fits: then the series of the
         largest degree is taken whole, if its last coefficients are small beside the largest slope.
     """
-    # first the omitted terms, too, are to be within _EXACT; where rounding prevents that, the last
-    # coefficients alone
-    for part, degree in product((_EXACT / _DROPPED, _EXACT), _DEGREES):
+    # At first the estimate of the omitted terms has to be within _FIT_ACCURACY. Where rounding
+    # prevents that, only the last coefficients have to be.
+    for accuracy, degree in product((_FIT_ACCURACY / _OMITTED_FACTOR, _FIT_ACCURACY), _DEGREES):
         nodes = chebyshev.chebpts1(degree + 1)
         values = values_at("slope", slope, low + (high - low) * (1.0 + nodes) / 2.0)
         if not np.isfinite(values).all():
@@ -348,10 +358,10 @@ def _fitted(
         row = matrix @ values
         scale = max(float(np.abs(values).max()), at_high)
         tail = float(np.abs(row[-2:]).max())
-        if tail <= part * scale:
+        if tail <= accuracy * scale:
             significant = np.flatnonzero(np.abs(row) > 1e-16 * scale)
             return tuple(row[: significant[-1] + 1].tolist()) if len(significant) else (0.0,)
-    if tail <= _EXACT * largest:
+    if tail <= _FIT_ACCURACY * largest:
         return tuple(row.tolist())
-    told = f"smooth between {low:.6g} and {high:.6g}, or to have its breaks named"
-    raise SceneError("slope", "a function that no polynomial fits", told)
+    allowed = f"smooth between {low:.6g} and {high:.6g}, or to have its breaks named"
+    raise SceneError("slope", "a function that no polynomial fits", allowed)

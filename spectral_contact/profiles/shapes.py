@@ -136,7 +136,9 @@ class Sphere(Profile):
         return np.asarray(self._slope_of(t) + 2.0 * t * whole / ((whole - t) * (whole + t)))
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        a, whole, inward = radius, self.radius, radius * _inward(t, y)
+        a = radius
+        whole = self.radius
+        inward = radius * _inward(t, y)
         slope = log1p(2.0 * a / (whole - a))  # of radii far below the whole without cancellation
         steeper = np.log1p(2.0 * whole * inward / ((whole - a) * (whole + a * t)))
         return np.asarray(inward * slope + a * t * steeper)
@@ -280,7 +282,8 @@ class TruncatedCone(_FlatEnded):
         return np.asarray(2.0 / tan(self.half_angle) * t * angle)
 
     def _rate(self, t: Array, past: Array) -> Array:
-        root, b = np.sqrt(past), self.flat_radius
+        root = np.sqrt(past)
+        b = self.flat_radius
         outside = root > 0.0
         steep = np.arctan2(root, b) + b / np.where(outside, root, 1.0)
         return np.where(outside, 2.0 / tan(self.half_angle) * steep, 0.0)
@@ -321,7 +324,8 @@ class RoundedFlat(_FlatEnded):
         return np.asarray(2.0 / self.radius * t * _risen(root, self.flat_radius))
 
     def _rate(self, t: Array, past: Array) -> Array:
-        root, b = np.sqrt(past), self.flat_radius
+        root = np.sqrt(past)
+        b = self.flat_radius
         return np.asarray(2.0 / self.radius * (2.0 * root - b * np.arctan2(root, b)))
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:

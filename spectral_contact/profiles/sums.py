@@ -75,9 +75,9 @@ class Sum(Profile):
     @property
     def breaks(self) -> tuple[float, ...]:
         """Those of both below the reach; of two that differ by rounding alone, the larger one."""
-        together = sorted({b for one in self._both for b in one.breaks if b < self.reach})
-        apart = [b for b, after in pairwise(together) if not _alike(b, after)]
-        return (*apart, *together[-1:])
+        all_breaks = sorted({b for one in self._both for b in one.breaks if b < self.reach})
+        distinct = [b for b, after in pairwise(all_breaks) if not _same_radius(b, after)]
+        return (*distinct, *all_breaks[-1:])
 
     @property
     def brief(self) -> str:
@@ -119,18 +119,20 @@ class Sum(Profile):
         # which break of the sum it is follows from t**2 - past; next to a break a comparison of t
         # with it would be decided by rounding
         last = np.argmin(np.abs(np.subtract.outer(t**2 - past, breaks**2)), axis=-1)
-        within = (past == 0.0) & (t <= breaks[0])
-        found = np.zeros(t.shape)
+        before_first_break = (past == 0.0) & (t <= breaks[0])
+        result = np.zeros(t.shape)
         for b in one.breaks:  # ascending: the last of its own wins
-            beyond = ((breaks[last] >= b) | _alike(breaks[last], b)) & ~within
-            more = np.where(_alike(breaks[last], b), 0.0, (breaks[last] - b) * (breaks[last] + b))
-            found = np.where(beyond, past + more, found)
-        return found
+            beyond = ((breaks[last] >= b) | _same_radius(breaks[last], b)) & ~before_first_break
+            between = np.where(
+                _same_radius(breaks[last], b), 0.0, (breaks[last] - b) * (breaks[last] + b)
+            )
+            result = np.where(beyond, past + between, result)
+        return result
 
     def _slope_error(self, radius: float) -> float:
         return sum(one._slope_error(radius) for one in self._both)
 
 
-def _alike(first: ArrayLike, second: ArrayLike) -> Any:
+def _same_radius(first: ArrayLike, second: ArrayLike) -> Any:
     """Return whether radii are the same but for rounding, as 0.1 + 0.2 and 0.3 are."""
     return np.isclose(first, second, rtol=LEAST_STEP, atol=0.0)

@@ -12,7 +12,8 @@ from spectral_contact.profiles.profile_base import Profile
 
 #: Radii of a piece, between two breaks, at which the rate is taken: so many in even steps, and so
 #: many in even steps of the logarithm of the distance from the break before it.
-_EVEN, _GRADED = 40, 40
+_EVEN = 40
+_GRADED = 40
 #: Least distance of a radius from the break before it, or the centre: as a fraction of the distance
 #: to the next break, and of the radius of the break itself.
 _LEAST_DISTANCE: Final = 1e-9
@@ -66,7 +67,8 @@ def _on_piece(profile: Profile, low: float, high: float) -> tuple[Array, Array]:
 def _turns(values: Array) -> list[int]:
     """Return where numbers have a maximum or a minimum, but for changes that are rounding."""
     found: list[int] = []
-    extreme, rises = 0, True
+    extreme = 0
+    rises = True
     for k in range(1, len(values)):
         # from the last extreme on, positive in the sense in which the values go
         change = values[k] - values[extreme] if rises else values[extreme] - values[k]
@@ -74,5 +76,6 @@ def _turns(values: Array) -> list[int]:
             extreme = k
         elif -change > _ROUNDED * abs(values[extreme]):
             found.append(extreme)
-            extreme, rises = k, not rises
+            extreme = k
+            rises = not rises
     return found

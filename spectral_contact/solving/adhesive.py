@@ -27,7 +27,7 @@ CONTROLS_HELD = ("load", "approach")
 
 @dataclass(frozen=True, slots=True)
 class Stability:
-    """How a state goes on along the curve.
+    """Whether a state is stable, and the stiffness along the curve.
 
     Attributes
     ----------
@@ -127,17 +127,19 @@ def adhesive(
         if missing.stretches == 0:
             refuse_reach(scene, "approach" if scene.load is None else "load")
         if missing.limit is None:
-            told = f"less than {missing.stretches}, the number of branches"
-            raise SceneError("branch", scene.branch, told) from None
+            allowed = f"less than {missing.stretches}, the number of branches"
+            raise SceneError("branch", scene.branch, allowed) from None
         _refuse(scene, missing.limit)
 
 
 def refuse_reach(scene: Scene, name: str) -> NoReturn:
     """Refuse a parameter with which the contact would grow to the end of the profile."""
     assert scene.profile is not None
-    told = "such that a stable contact is smaller than the profile, which ends at "
-    told += f"{scene.profile.reach:.6g}: adhesion makes the contact grow to that end"
-    raise SceneError(name, getattr(scene, name), told)
+    allowed = (
+        "such that a stable contact is smaller than the profile, which ends at "
+        f"{scene.profile.reach:.6g}: adhesion makes the contact grow to that end"
+    )
+    raise SceneError(name, getattr(scene, name), allowed)
 
 
 def _refuse(scene: Scene, limit: float) -> NoReturn:
@@ -145,19 +147,20 @@ def _refuse(scene: Scene, limit: float) -> NoReturn:
     name = "load" if scene.approach is None else "approach"
     value = getattr(scene, name)
     side = "at least" if value < limit else "at most"
-    what = f"that of pull-off under control of the {name}"
+    limit_name = f"that of pull-off under control of the {name}"
     if scene.branch:
-        what = f"where branch {scene.branch} ends"
+        limit_name = f"where branch {scene.branch} ends"
     beyond = f"{abs(value - limit):.3g}"
     if limit:
         beyond += f", which is {abs(value - limit) / abs(limit):.3g} of it"
-    raise SceneError(name, value, f"{side} {limit:.12g}, {what}: it is beyond by {beyond}")
+    raise SceneError(name, value, f"{side} {limit:.12g}, {limit_name}: it is beyond by {beyond}")
 
 
 def stability(curve: AdhesiveCurve, found: Indentation, radius_error: float) -> Stability:
-    """Return how a state on a curve goes on.
+    """Return whether a state on a curve is stable, and the stiffness there.
 
-    Its radius has a relative error, which next to pull-off is much larger than those of its rates.
+    Its radius has a relative error, which next to pull-off is much larger than those of the rates
+    of load and approach by the radius.
 
     A state in which load or approach does not change with the radius, within its error, counts as
     stable: it is the last one of a stable branch, such as that of pull-off.
@@ -171,19 +174,22 @@ def stability(curve: AdhesiveCurve, found: Indentation, radius_error: float) -> 
     if a in curve.corners:
         rates = curve.rates(curve.next_larger(a))
         stable = tuple(name for name in CONTROLS_HELD if getattr(rates, name) > 0.0)
-        told = "larger contacts have another slope of the curve than smaller ones at this radius"
-        return Stability(stable, None, reason=told)
+        reason = "larger contacts have another slope of the curve than smaller ones at this radius"
+        return Stability(stable, None, reason=reason)
     local = curve.local(a)
-    rates, errors = local.rates(a), local.rate_errors(a)
-    stable = tuple(one for one in CONTROLS_HELD if getattr(rates, one) >= -getattr(errors, one))
+    rates = local.rates(a)
+    errors = local.rate_errors(a)
+    stable = tuple(name for name in CONTROLS_HELD if getattr(rates, name) >= -getattr(errors, name))
     if abs(rates.approach) <= errors.approach:
         return Stability(stable, copysign(inf, rates.load), inf)
     stiffness = rates.load / rates.approach
-    off = (errors.load + abs(stiffness) * errors.approach) / abs(rates.approach)
-    bends = local.rates(a, order=2)  # d stiffness = (d load' - stiffness d approach') / approach'
-    change = abs(bends.load - stiffness * bends.approach) / abs(rates.approach)
-    off += change * radius_error * a / (a - local.base)
-    return Stability(stable, stiffness, off / max(abs(stiffness), found.stiffness) + ROUNDING)
+    error = (errors.load + abs(stiffness) * errors.approach) / abs(rates.approach)
+    second_rates = local.rates(
+        a, order=2
+    )  # d stiffness = (d load' - stiffness d approach') / approach'
+    change = abs(second_rates.load - stiffness * second_rates.approach) / abs(rates.approach)
+    error += change * radius_error * a / (a - local.base)
+    return Stability(stable, stiffness, error / max(abs(stiffness), found.stiffness) + ROUNDING)
 
 
 def with_surface_energy(found: Indentation, adhesion: float) -> Indentation:

@@ -126,7 +126,7 @@ class CoupledRun(Run):
             try:
                 slip = None if hidden else self._searched_zones(search, max_onset_distance)
             except NoZonesError as error:
-                self._store_refuted(stick, error)
+                self._store_least_violation(stick, error)
                 return
         if slip is None:
             self._store_unresolved_slip(stick, max_onset_distance)
@@ -160,26 +160,28 @@ class CoupledRun(Run):
 
         # stick radii at other times, if the contact grows
         path: StickPath | None = self.cache.get(COUPLING, (), lambda: None)
-        place = log_parameters(self.parameters)
-        search.warm_start = None if path is None else path.predict(place)
+        log_point = log_parameters(self.parameters)
+        search.warm_start = None if path is None else path.predict(log_point)
         try:
             slip = search.outcome()
         except NoZonesError:
             if max_onset_distance <= ONSET_BAND:
                 return None
             tighter = closer_tolerance(search.tolerance)
-            rough = search.parameters.alpha and search.parameters.beta
-            if tighter < search.tolerance and rough:  # without a compliance it takes seconds
+            both_compliances = search.parameters.alpha and search.parameters.beta
+            if (
+                tighter < search.tolerance and both_compliances
+            ):  # without a compliance it takes seconds
                 return self._searched_zones(replace(search, tolerance=tighter), max_onset_distance)
             raise
         if path is not None:
-            path.add(place, slip.layout)
+            path.add(log_point, slip.layout)
         error = max(slip.pressure_error, slip.traction_error, slip.shear_error, slip.approach_error)
-        of_full_stick = ONSET_ERROR_FACTOR * max_onset_distance
-        accurate = slip.consistent and error <= max(self.rtol, of_full_stick)
+        full_stick_error = ONSET_ERROR_FACTOR * max_onset_distance
+        accurate = slip.consistent and error <= max(self.rtol, full_stick_error)
         return slip if accurate or max_onset_distance > ONSET_BAND else None
 
-    def _store_refuted(self, stick: FullStick, error: NoZonesError) -> None:
+    def _store_least_violation(self, stick: FullStick, error: NoZonesError) -> None:
         """Store the state that violates the friction law least, as no zones obey it.
 
         That is the best outcome of the search, or full stick. The violation, relative to ``f p``,
@@ -187,13 +189,13 @@ class CoupledRun(Run):
         """
         self.refusal = f"no zones were found that obey the friction law ({error})"
         violation = stick.critical / self.parameters.friction - 1.0  # of full stick
-        best = error.least_wrong
-        if best is None or best.violation > violation:
+        slip = error.least_wrong
+        if slip is None or slip.violation > violation:
             self.store_all_stick()
             self.skip(self.refusal, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
         else:
-            violation = best.violation
-            self._store_slip(best)
+            violation = slip.violation
+            self._store_slip(slip)
             self.ran(self.refusal, PARTIAL_SLIP)
         for name in self.bounded:
             self.errors[name] += ONSET_ERROR_FACTOR * violation

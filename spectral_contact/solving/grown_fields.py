@@ -51,33 +51,34 @@ Fields = dict[str, Array]
 
 #: Width of the panels on which fields have series, in the logarithm of the distance from the end of
 #: an annulus; the distance is a difference of ``s**2``.
-_WIDTH = 2.0
+_PANEL_WIDTH = 2.0
 #: Factor by which each degree of the Legendre series on a panel divides the error. The nearest
 #: singularity is at the other end of the annulus.
-_GAIN = 3.05
+_GAIN_PER_DEGREE = 3.05
 #: Least number of panels towards the centre.
 _FEWEST_AT_CENTRE = 4
 #: Least number of panels towards any other end of an annulus.
 _FEWEST_PANELS = 11
-#: Largest number of them; it is enough for square roots, which fields have on a smooth surface.
+#: Largest number of panels there; it is enough for square roots, which fields have on a smooth
+#: surface.
 _MOST_PANELS = 26
 #: With a layer fields are bounded at the edge. Panels end at a distance that is the square of the
 #: compliance times this power of the tolerance.
 _EDGE_POWER = 0.75
 #: Tolerance of the quadrature over the history, relative to that of the fields. It is so small
 #: because the other errors together may be a fiftieth of the tolerance.
-_QUADRATURE = 1e-3
+_QUADRATURE_FRACTION = 1e-3
 #: Number of Gauss points for a smooth integrand over a part of the history.
 _SMOOTH_POINTS = 16
 #: An integrand over a part of a panel is smooth if this part begins farther than this from the
 #: radius at which the integrand is singular, in extents of the panel.
-_NEAR = 0.3
+_NEAR_SINGULARITY = 0.3
 #: Error estimate of a series over its last coefficients. The error of a traction with square roots
 #: was 1.3 times these.
-_SAFETY = 3.0
-#: Of radii at which a field is not smooth, one is left out if its logarithm is closer than this to
-#: the one before it or to an end of the zone.
-_APART = 1e-6
+_SERIES_ERROR_FACTOR = 3.0
+#: A radius at which a field is not smooth is left out if its logarithm is closer than this to that
+#: of the one before it, or to an end of the zone.
+_KINK_SPACING = 1e-6
 #: Range of minus the logarithm of the distance from the edge in which the pressure is sampled for a
 #: change of sign.
 _OPENING_RANGE = (0.1, 45.0)
@@ -152,21 +153,23 @@ class GrownFields:
     ) -> None:
         digits = -math.log(tolerance)
         # closer to the edge than `layer` square roots of the distance turn into bounded fields
-        edge = -math.log(min(max(layer, TINY), 1.0))
-        count = max(2 + int((2.0 * edge + _EDGE_POWER * digits) / _WIDTH), _FEWEST_PANELS)
-        self._quadrature_error = _QUADRATURE * tolerance
-        exact = -math.log(self._quadrature_error)
+        edge_depth = -math.log(min(max(layer, TINY), 1.0))
+        count = max(
+            2 + int((2.0 * edge_depth + _EDGE_POWER * digits) / _PANEL_WIDTH), _FEWEST_PANELS
+        )
+        self._quadrature_error = _QUADRATURE_FRACTION * tolerance
+        quadrature_digits = -math.log(self._quadrature_error)
         # If a field is like ln(z)/sqrt(z) at the distance z from the edge, nodes from
         # z = exp(-2 half_depth) on leave out -2 sqrt(z) ln(z). Within the layer it is bounded.
-        half_depth = exact + math.log(4.0 * exact)
+        half_depth = quadrature_digits + math.log(4.0 * quadrature_digits)
         self.growth = growth
         self.radius = radius
         self.history = _History(
             growth.in_contact_radii(),
-            rule=tanh_rule(exact, depth=half_depth + min(edge, half_depth)),
-            degree=math.ceil((digits + _WIDTH) / math.log(_GAIN)),
+            rule=tanh_rule(quadrature_digits, depth=half_depth + min(edge_depth, half_depth)),
+            degree=math.ceil((digits + _PANEL_WIDTH) / math.log(_GAIN_PER_DEGREE)),
         )
-        # which fields grow while a point sticks, and which while it slips
+        # the wanted fields that grow while a point sticks, and those that grow while it slips
         self._names_stuck = [name for name in ("pressure", "traction") if name in names]
         self._names_slipping = ["pressure"] if self._names_stuck else []
         if "slip" in names:
@@ -184,18 +187,21 @@ class GrownFields:
         The history is not smooth at the breaks of the profile and at the onset of slip. Fields are
         not smooth at these contact radii, nor at the stick radii that the contact had then.
         """
-        a, onset = self.radius, self.growth.onset
+        a = self.radius
+        onset = self.growth.onset
         radii = [*self.growth.breaks, *([onset] if onset else [])]
         events = [Radius(b / a, (a - b) / a) for b in radii if b < a]
-        stuck = [
+        log_stick_radii = [
             event.log + log_stick
             for event in events
             for log_stick in self.history.growth.log_stick(event.log)
         ]
-        candidates = events + [Radius(math.exp(log_s), -math.expm1(log_s)) for log_s in stuck]
+        candidates = events + [
+            Radius(math.exp(log_s), -math.expm1(log_s)) for log_s in log_stick_radii
+        ]
         kinks: list[Radius] = []
-        for candidate in sorted(candidates, key=lambda one: one.log):
-            if log_low + _APART < candidate.log < log_high - _APART:
+        for candidate in sorted(candidates, key=lambda radius: radius.log):
+            if log_low + _KINK_SPACING < candidate.log < log_high - _KINK_SPACING:
                 kinks.append(candidate)
                 log_low = candidate.log
         return kinks
@@ -240,7 +246,7 @@ class GrownFields:
         return self._sampled(values, [CENTRE, *self._kinks_inside, *self._outer_ends()], power=0)
 
     def slip(self) -> GrownField:
-        """Return how far points have slipped since they came into contact."""
+        """Return the slip, the path of points since they came into contact."""
 
         def values(log_r: Array) -> Array:
             return self._integrals_at(log_r)[1]["slip"]
@@ -248,9 +254,9 @@ class GrownFields:
         return self._sampled(values, [CENTRE, *self._kinks_inside, *self._outer_ends()], power=1)
 
     def _integrals_at(self, log_r: Array) -> tuple[Fields, Fields]:
-        """Return by how much fields grew at points while they stuck, and while they slipped.
+        """Return the growth of fields at points while they stuck, and that while they slipped.
 
-        For the same points it is computed once.
+        It is computed once for the same points, given by ``ln(r/a)``.
         """
         key = log_r.tobytes()
         if key not in self._integrals:
@@ -265,7 +271,9 @@ class GrownFields:
 
     def _from_contact_radii(self, fields: Fields) -> Fields:
         """Convert fields from the unit of `history`, the contact radius, to that of `growth`."""
-        return {name: found / self.radius ** _RADIUS_POWERS[name] for name, found in fields.items()}
+        return {
+            name: values / self.radius ** _RADIUS_POWERS[name] for name, values in fields.items()
+        }
 
     def _outer_ends(self) -> list[Radius]:
         """Return the ends of the annuli outside the stick disk; the edge alone if all sticks."""
@@ -301,7 +309,7 @@ class GrownFields:
                     series = _with_logarithm(series)
                 halves.append(series)
                 scale = _largest_radii(mesh) ** power
-                errors = _SAFETY * np.abs(series.coefficients[:, -2:]).max(axis=1)
+                errors = _SERIES_ERROR_FACTOR * np.abs(series.coefficients[:, -2:]).max(axis=1)
                 error = max(error, float((scale * errors).max()))
                 largest = max(largest, float((scale * np.abs(series.at_ends()[:-1])).max()))
             pieces.append(ZonePiece(high, AnnulusSeries(low, high, halves[0], halves[1], power)))
@@ -313,9 +321,9 @@ class GrownFields:
         radii = mesh.points(mesh.panels.sampling_distances)
         # ln s from y = 1 - s**2 near the edge, and from z = s**2 elsewhere
         near_edge = radii.y < 0.5
-        rest = np.where(near_edge, radii.y, 0.0)
-        square = np.where(near_edge, 1.0, radii.z)
-        log_s = (np.log1p(-rest) + np.log(square)) / 2.0
+        y_near_edge = np.where(near_edge, radii.y, 0.0)
+        z_elsewhere = np.where(near_edge, 1.0, radii.z)
+        log_s = (np.log1p(-y_near_edge) + np.log(z_elsewhere)) / 2.0
         samples = values(log_s) / np.exp(power * log_s)
         return sampled_series(mesh.panels, samples)
 
@@ -354,8 +362,9 @@ def _with_logarithm(series: LogSeries) -> LogSeries:
 
 def _largest_radii(mesh: GradedMesh) -> Array:
     """Return the largest ``s`` in every panel of a mesh."""
-    d = np.exp(-_WIDTH * np.arange(mesh.panels.count))
-    squares = mesh.boundary.square + mesh.extent * (d if mesh.sign > 0 else 0.0 * d)
+    distances = np.exp(-_PANEL_WIDTH * np.arange(mesh.panels.count))
+    # panels inside a boundary (sign -1) have the radius of the boundary as the bound of all
+    squares = mesh.boundary.square + mesh.extent * distances * (mesh.sign > 0)
     return np.asarray(np.sqrt(squares))
 
 
@@ -398,19 +407,21 @@ class _History:
         # If there is a panel before the first one, the history is so long that the two innermost
         # panels are not needed.
         left_out = 0 if len(self.growth.all_panels) == len(self.growth.panels) else 2
-        at_centre = max(math.ceil(depth / _WIDTH) - left_out, _FEWEST_AT_CENTRE)
-        panels = at_centre if boundary is CENTRE else count
-        return LogPanels(panels, _WIDTH, self.degree)
+        at_centre = max(math.ceil(depth / _PANEL_WIDTH) - left_out, _FEWEST_AT_CENTRE)
+        panel_count = at_centre if boundary is CENTRE else count
+        return LogPanels(panel_count, _PANEL_WIDTH, self.degree)
 
     def while_stuck(self, names: Sequence[str], log_r: Array, u_stick: Array) -> Fields:
-        """Return by how much fields grew at points since they began to stick, at `u_stick`."""
+        """Return the growth of fields at points since they began to stick, at `u_stick`."""
         total = np.zeros((len(names), len(log_r)))
         for panel in self.growth.all_panels:
             # the integrand is smooth for points that began to stick long before the panel
-            near = panel.stretch.distance_below(u_stick) < _NEAR * panel.stretch.extent
+            near_singularity = (
+                panel.stretch.distance_below(u_stick) < _NEAR_SINGULARITY * panel.stretch.extent
+            )
             for rows, rule in (
-                (near & (u_stick < panel.high), self.rule),
-                (~near, self.smooth_rule),
+                (near_singularity & (u_stick < panel.high), self.rule),
+                (~near_singularity, self.smooth_rule),
             ):
                 if names and rows.any():
                     total[:, rows] += _added_while_stuck(
@@ -419,20 +430,20 @@ class _History:
         return dict(zip(names, total, strict=True))
 
     def while_slipping(self, names: Sequence[str], log_r: Array, u_stick: Array) -> Fields:
-        """Return by how much fields grew at points before they began to stick, at `u_stick`."""
+        """Return the growth of fields at points before they began to stick, at `u_stick`."""
         total = np.zeros((len(names), len(log_r)))
         for panel in self.growth.all_panels:
             begin = np.maximum(log_r, panel.low)
             end = np.minimum(u_stick, panel.high)
             # the integrand is smooth far from where a point came into contact and began to stick
-            distance = _NEAR * panel.stretch.extent
-            near = (panel.stretch.distance_below(log_r) < distance) | (
+            distance = _NEAR_SINGULARITY * panel.stretch.extent
+            near_singularity = (panel.stretch.distance_below(log_r) < distance) | (
                 u_stick - end < panel.high - panel.low
             )
             slipped = (begin < end) & panel.slips
             for rows, rule in (
-                (slipped & near, self.rule),
-                (slipped & ~near, self.smooth_rule),
+                (slipped & near_singularity, self.rule),
+                (slipped & ~near_singularity, self.smooth_rule),
             ):
                 if names and rows.any():
                     span = begin[rows], end[rows]
@@ -440,21 +451,22 @@ class _History:
         return dict(zip(names, total, strict=True))
 
     def when_stuck(self, log_r: Array) -> Array:
-        """Return ``ln b_r`` of points: how large the contact was when they began to stick (G.3).
+        """Return ``ln b_r`` of points: the contact radius at which they began to stick (G.3).
 
         For a point that slips today that is today's contact radius.
         """
         u_stick = np.array(log_r)
-        end_before = math.inf
+        last_radius_stuck = math.inf
         for panel in self.growth.all_panels:
             if panel.slips:
                 ends = panel.log_stick(np.array([-1.0, 1.0]))
-                begin, end = panel.low + ends[0], panel.high + ends[1]
+                begin = panel.low + ends[0]
+                end = panel.high + ends[1]
                 # the stick radii of two panels may differ by their errors where the panels meet
-                u_stick[(log_r > end_before) & (log_r <= begin)] = panel.low
+                u_stick[(log_r > last_radius_stuck) & (log_r <= begin)] = panel.low
                 on_panel = (log_r > begin) & (log_r <= end)
                 u_stick[on_panel] = _radii_of_sticking(panel, log_r[on_panel])
-                end_before = end
+                last_radius_stuck = end
         last = self.growth.panels[-1]
         if last.slips:
             still_slipping = log_r > last.high + last.log_stick(np.ones(1))[0]
@@ -472,19 +484,21 @@ def _added_while_stuck(
     depth = stretch.depth_of(begin)[:, None]
     extent = stretch.v_increment(depth, (panel.high - begin)[:, None])
     t = stretch.place(depth + extent * points)
-    ahead = stretch.u_increment(depth, extent * points)
+    u_since_begin = stretch.u_increment(depth, extent * points)
     # ln(c(b)/r); it is exactly 0 where points begin to stick, if they do so on this panel
     if panel.slips:
         first_stick = panel.log_stick(stretch.place(depth))
-        log_ratio = ahead + panel.log_stick(t) - first_stick
+        log_ratio = u_since_begin + panel.log_stick(t) - first_stick
         log_ratio += np.where(u_stick < panel.low, begin - log_r, 0.0)[:, None]
         log_ratio += np.where(u_stick[:, None] < panel.low, first_stick, 0.0)
         log_ratio = np.maximum(log_ratio, 0.0)
     else:
-        log_ratio = ahead + (begin - log_r)[:, None]
+        log_ratio = u_since_begin + (begin - log_r)[:, None]
     places = t.ravel()
-    values = panel.where_stuck(names, places, log_ratio.ravel()) * panel.increment(places)
-    values = values.reshape(-1, *ahead.shape) * np.exp(-2.0 * (begin[:, None] + ahead))
+    values = panel.fields_in_stick(names, places, log_ratio.ravel()) * panel.dload_dv(places)
+    values = values.reshape(-1, *u_since_begin.shape) * np.exp(
+        -2.0 * (begin[:, None] + u_since_begin)
+    )
     return np.asarray(extent[:, 0] * (values @ weights))
 
 
@@ -505,12 +519,12 @@ def _added_while_slipping(
     depth = stretch.depth_of(begin)[:, None]
     extent = stretch.v_increment(depth, (end - begin)[:, None])
     t = stretch.place(depth + extent * points).ravel()
-    ahead = stretch.u_increment(depth, extent * points)
-    log_ratio = (begin - log_r)[:, None] + ahead  # ln(b/r)
-    values = panel.where_slipping(names, t, log_ratio.ravel())
-    values = (values * panel.increment(t)).reshape(-1, *ahead.shape)
+    u_since_begin = stretch.u_increment(depth, extent * points)
+    log_ratio = (begin - log_r)[:, None] + u_since_begin  # ln(b/r)
+    values = panel.fields_in_slip(names, t, log_ratio.ravel())
+    values = (values * panel.dload_dv(t)).reshape(-1, *u_since_begin.shape)
     for name, field_values in zip(names, values, strict=True):
-        field_values *= np.exp(-_RADIUS_POWERS[name] * (begin[:, None] + ahead))
+        field_values *= np.exp(-_RADIUS_POWERS[name] * (begin[:, None] + u_since_begin))
     return np.asarray(extent[:, 0] * (values @ weights))
 
 
@@ -537,7 +551,7 @@ def tanh_rule(digits: float, depth: float) -> tuple[Array, Array]:
 
 def _radii_of_sticking(panel: Panel, log_r: Array) -> Array:
     """Return ``ln b_r`` of points that begin to stick on a panel, by bisection for ``c(b) = r``."""
-    if panel.alike:
+    if panel.punches_alike:
         return np.asarray(log_r - panel.stick[0])
     low = -np.ones(len(log_r))
     high = np.ones(len(log_r))

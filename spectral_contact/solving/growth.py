@@ -48,7 +48,7 @@ _ERROR_FACTOR = 3000.0
 #: be the end of a flat part. It is smaller, because little changes on the first part of a panel
 #: that begins there.
 _ERROR_FACTOR_PAST = 100.0
-#: Least number of nodes of a panel: `left_out` and the interpolation of fields need some.
+#: Least number of nodes of a panel, for `interpolation_error` and the interpolation of fields.
 _LEAST_COUNT = 6
 #: Distance of ``b_0`` below the onset of slip, relative to the onset, for tolerances up to
 #: `_ONSET_TOLERANCE`; for looser ones it is multiplied by
@@ -59,14 +59,15 @@ _ONSET_POWER = 0.2
 #: Length of panels next to a radius at which the profile ends and the load has a pole, over their
 #: distance from it, both in ``u``.
 _LENGTH_NEAR_POLE = 2.0
-#: What one panel may leave out, over the tolerance; there are a few panels.
+#: Largest error of one panel over the tolerance of the history, which has a few panels.
 _PANEL_FRACTION = 0.1
 #: Panels of a smaller extent in ``v`` are not halved.
 _LEAST_EXTENT = 1e-4
 #: If a history is cut off less than this above the lower end of a panel, in ``u``, there is no such
 #: short panel: the one before it is lengthened.
 _SAME_END = 1e-12
-#: By how much the stick radius may fall from node to node, relative; or by its errors, if larger.
+#: Largest relative fall of the stick radius from node to node that is taken for an error. If the
+#: estimates of its errors are larger, they are the limit.
 _ALLOWED_FALL = 1e-8
 #: Errors of load and approach over those of the flat punches: the Volterra equation amplifies them.
 _FLAT_ERROR_FACTOR = 3.0
@@ -131,8 +132,11 @@ class Growth:
         today = self.log_radius
         radius = math.exp(today)
         panels = tuple(
-            replace(one, stretch=replace(one.stretch, low=one.low - today, high=one.high - today))
-            for one in self.panels
+            replace(
+                panel,
+                stretch=replace(panel.stretch, low=panel.low - today, high=panel.high - today),
+            )
+            for panel in self.panels
         )
         # from the first touch on (0), and no slip (None), stay what they are
         onset = self.onset and self.onset / radius
@@ -164,7 +168,7 @@ class Growth:
         """Total shear today, ``Q = int Q* dP``."""
 
         def rates(panel: Panel) -> Callable[[Array], Array]:
-            return lambda t: chebyshev_value(panel.shears, t) * panel.increment(t)
+            return lambda t: chebyshev_value(panel.shears, t) * panel.dload_dv(t)
 
         return self.first_shear + sum(one.integral(rates(one)) for one in self.panels)
 
@@ -217,10 +221,10 @@ class Growth:
             Its value.
         """
         by_load = name == "loads"
-        found, rate = (
+        reached, rate = (
             (self.load, self.load_rate) if by_load else (self.approach, self.approach_rate)
         )
-        return (self.load_error + abs(found / value - 1.0)) / rate
+        return (self.load_error + abs(reached / value - 1.0)) / rate
 
     @cached_property
     def shear_rate(self) -> float:
@@ -281,7 +285,8 @@ class Growth:
         On this panel load and approach are powers of the radius, with the slopes of the first panel
         at its lower end or, next to a flat part, a steep one. All flat punches are like the first.
         """
-        first, has_flat_part = self.panels[0], self._starts_at_flat_part
+        first = self.panels[0]
+        has_flat_part = self._starts_at_flat_part
         if self._load_power > _BOUNDED_POWER and not has_flat_part:
             return self.panels
         # at the centre the pressure of smaller radii is in proportion to b**(power - 2)
@@ -315,7 +320,7 @@ class Growth:
 
         def weights(panel: Panel) -> Callable[[Array], Array]:
             stretch = panel.stretch
-            return lambda t: panel.increment(t) * np.exp(power * stretch.u_at(t))
+            return lambda t: panel.dload_dv(t) * np.exp(power * stretch.u_at(t))
 
         sizes = [one.integral(weights(one)) for one in self.panels]
         worst = [
@@ -364,8 +369,8 @@ class Growth:
 def _contribution(panel: Panel, log_radius: float, load: float) -> float:
     """Return the factor in (G.13) of the error of a panel.
 
-    It is the largest share that the load at the end of the panel has in today's load or,
-    concentrated on its smaller disk, in today's traction.
+    It is the load at the end of the panel over today's load or, if that is larger, the ratio of
+    the mean pressures: the load at the end of the panel is on a smaller disk.
     """
     fraction = float(panel.load(_TOP)[0]) / load
     return fraction * max(1.0, math.exp(2.0 * (log_radius - panel.high)))
@@ -412,7 +417,7 @@ class Grower:
     powers: tuple[float, float]
     log_pole: float
 
-    def grown(self, least: float, radius: float, load: float) -> Growth:
+    def grown(self, first_radius: float, radius: float, load: float) -> Growth:
         """Return the history.
 
         Parameters
@@ -430,7 +435,8 @@ class Grower:
             If slip does not reach the edge, or if the stick radius falls.
         """
         today = math.log(radius)
-        todo, panels = self._stretches(math.log(least), today)[::-1], []
+        todo = self._stretches(math.log(first_radius), today)[::-1]
+        panels = []
         while todo:
             stretch = self._counted(todo.pop(), today)
             panel = self._panel(stretch)
@@ -448,12 +454,11 @@ class Grower:
     def until(self, growth: Growth, log_radius: float) -> Growth:
         """Return a history that ends earlier, at the logarithm of a contact radius.
 
-        The source of loads is cut back to the new history, so that `growth` must not be passed
-        again.
+        The source of loads forgets what is later, so that `growth` must not be passed again.
         """
         kept = [one for one in growth.panels if one.high < log_radius - _SAME_END]
         stretch = growth.panels[len(kept)].stretch
-        self.load_source.back(len(kept))
+        self.load_source.cut_back(len(kept))
         last = self._panel(replace(stretch, high=log_radius))
         self.load_source.keep()
         return Growth((*kept, last), self.onset, self.breaks)
@@ -470,17 +475,18 @@ class Grower:
             dv_du[math.log(self.onset)] = 1.0 / (_ONSET_DISTANCE * wider)
         dv_du = {u: value for u, value in dv_du.items() if low < u < high}
         dv_du[low] = 1.0 / (1.0 + self.origin_distance * math.exp(-low))
+        # at the end of a flat part b_0 is this end: 1/(1 - b_0/b)
         if self.breaks and abs(low - math.log(self.breaks[0])) < _SAME_RADIUS:
             dv_du[low] = -1.0 / math.expm1(math.log(self.breaks[0]) - low)
         stretches: list[RadiusStretch] = []
         for start, stop in pairwise(sorted([*dv_du, high])):
-            whole = RadiusStretch(start, stop, dv_du[start])
-            stretches += whole.cut(math.ceil(whole.extent / _LARGEST_EXTENT))
-        return [piece for whole in stretches for piece in self._shorter_near_pole(whole)]
+            stretch = RadiusStretch(start, stop, dv_du[start])
+            stretches += stretch.cut(math.ceil(stretch.extent / _LARGEST_EXTENT))
+        return [piece for stretch in stretches for piece in self._shorter_near_pole(stretch)]
 
     def _shorter_near_pole(self, stretch: RadiusStretch) -> list[RadiusStretch]:
         """Return the pieces of a stretch, the shorter the closer they are to a pole of the load."""
-        # upper ends of the pieces, in u, from the last one on
+        # upper ends of the pieces, in u, from that of the last piece down
         highs = [stretch.high]
         while (cut := highs[-1] - _LENGTH_NEAR_POLE * (self.log_pole - highs[-1])) > stretch.low:
             highs.append(cut)
@@ -504,21 +510,27 @@ class Grower:
 
     def _panel(self, stretch: RadiusStretch) -> Panel:
         """Return the panel of a stretch, after checking that (G.2) holds at its nodes."""
-        radii, found = np.exp(stretch.u_nodes).tolist(), {}
-        # first some radii far apart, then those between them, so that the search for a stick radius
-        # starts from known ones on both sides
+        radii = np.exp(stretch.u_nodes).tolist()
+        solutions = {}
+        # First some radii far apart, then those between them, so that the search for a stick radius
+        # starts from known ones on both sides: node 0, then the others by the largest power of 2
+        # that divides their number, ``k & -k``.
         for k in sorted(range(len(radii)), key=lambda k: -(k & -k) if k else -len(radii)):
             b = radii[k]
-            found[k] = self.flat(b)
-            kinds = [zone.kind for zone in found[k].zones]
+            solutions[k] = self.flat(b)
+            kinds = [zone.kind for zone in solutions[k].zones]
             if kinds not in (["stick"], ["stick", "slip"]):
-                reason = "slip does not reach the edge in one zone, and the load would have to be "
-                reason += "followed in increments"
+                reason = (
+                    "slip does not reach the edge in one zone, and the load would have to be "
+                    "followed in increments"
+                )
                 if kinds[0] == "slip":
                     reason = "the stick disk is too small to be followed"
                 raise NotComputedError("traction", f"at the contact radius {b:.6g} {reason}")
-        flats = tuple(found[k] for k in range(len(radii)))
-        return Panel(stretch, self.load_source.on(stretch, flats), flats, self.fields, self.powers)
+        flats = tuple(solutions[k] for k in range(len(radii)))
+        return Panel(
+            stretch, self.load_source.loads_on(stretch, flats), flats, self.fields, self.powers
+        )
 
 
 def check_stick_radii(growth: Growth) -> None:
@@ -527,5 +539,5 @@ def check_stick_radii(growth: Growth) -> None:
     stick_radii = zip(growth.stick_radii, errors, strict=True)
     for ((_, before), error_before), ((b, after), error_after) in pairwise(stick_radii):
         if after < before * (1.0 - max(_ALLOWED_FALL, error_before + error_after)):
-            told = f"the stick radius falls at the contact radius {b:.6g}"
-            raise NotComputedError("traction", f"{told}: points that stuck would slip again")
+            event = f"the stick radius falls at the contact radius {b:.6g}"
+            raise NotComputedError("traction", f"{event}: points that stuck would slip again")

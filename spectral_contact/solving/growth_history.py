@@ -19,19 +19,29 @@ from spectral_contact.solving.stretch import (
     RadiusStretch,
     chebyshev_series,
     chebyshev_value,
-    left_out,
+    interpolation_error,
 )
 from spectral_contact.spectral.jacobi import gauss_rule
 
 #: The places of the two ends of a piece or panel.
 _ENDS: Array = np.array([-1.0, 1.0])
-#: Chebyshev points of a piece, and points of the quadrature rule from its lower end to one of them.
-_COUNT, _POINTS = 16, 20
-#: Largest extent of a piece, in ``v`` and in ``u``.
-_LARGEST_EXTENT, _LARGEST_EXTENT_IN_LOG = 1.1, 1.6
-#: Quantities of flat punches whose errors are read, and the factor of these errors in load,
-#: approach and shear, which are integrals over the history (docs/theory, Errors).
-_FLAT_QUANTITIES, _FLAT_ERROR_FACTOR = ("pressure", "approach", "total_shear", "stick_radius"), 3.0
+#: Number of Chebyshev points of a piece.
+_COUNT = 16
+#: Number of points of the quadrature rule from the lower end of a piece to one of these points.
+_POINTS = 20
+#: Largest extent of a piece in ``v``.
+_LARGEST_EXTENT_IN_V = 1.1
+#: Largest extent of a piece in ``u``.
+_LARGEST_EXTENT_IN_U = 1.6
+#: Quantities of flat punches whose errors are read.
+_FLAT_QUANTITIES = ("pressure", "approach", "total_shear", "stick_radius")
+#: Factor of these errors in load, approach and shear, which are integrals over the history
+#: (docs/theory, Errors).
+_FLAT_ERROR_FACTOR = 3.0
+#: Factor of the errors of the series of a piece and its neighbours. Under cones the errors between
+#: nodes are 1.1 times these at most, at the end of a panel under a parabola with a shallow cone 2.3
+#: times.
+_SERIES_ERROR_FACTOR = 3.0
 
 
 @dataclass(frozen=True)
@@ -56,24 +66,24 @@ class _HistoryPiece:
         """Return the derivative ``dQ/du`` of the total shear."""
         t = self.places(u)
         dv_du = self.panel.stretch.dv_du_at(t)
-        return chebyshev_value(self.panel.shears, t) * self.panel.increment(t) * dv_du
+        return chebyshev_value(self.panel.shears, t) * self.panel.dload_dv(t) * dv_du
 
 
-def history_of(growth: Growth, known: float | None) -> ContactHistory:
-    """Return load, approach, shear and stick radius over the contact radius.
+def history_of(growth: Growth, normal_error: float | None) -> ContactHistory:
+    """Return load, approach, shear and stick radius as functions of the contact radius.
 
     Parameters
     ----------
     growth : Growth
     known : float or None
-        Estimate of the errors of load and approach of normal contact, at all radii; None if they
-        come from the history.
+        Estimate of the relative errors of load and approach of normal contact, at all radii; None
+        with coupling, where load and approach come from the history.
     """
     pieces = [
         _HistoryPiece(panel, interval)
         for panel in growth.panels
-        for part in panel.stretch.cut(math.ceil(panel.stretch.extent / _LARGEST_EXTENT))
-        for interval in _in_logs(part)
+        for part in panel.stretch.cut(math.ceil(panel.stretch.extent / _LARGEST_EXTENT_IN_V))
+        for interval in _intervals_in_u(part)
     ]
     nodes = [(piece.panel, piece.places(piece.interval.u_nodes)) for piece in pieces]
     # ln P, ln delta, Q/P and ln(c/b) at the nodes of every piece
@@ -85,14 +95,14 @@ def history_of(growth: Growth, known: float | None) -> ContactHistory:
     }
     ends = np.array([*(piece.interval.low for piece in pieces), growth.log_radius])
     series = {name: np.array(list(map(chebyshev_series, row))) for name, row in rows.items()}
-    return ContactHistory(ends, **series, errors=_errors(pieces, rows, known))
+    return ContactHistory(ends, **series, errors=_errors(pieces, rows, normal_error))
 
 
-def _in_logs(part: RadiusStretch) -> list[RadiusStretch]:
-    """Return the intervals of pieces, equal in ``u`` and not too long, into which a part is cut."""
-    whole = RadiusStretch(part.low, part.high, count=_COUNT)
-    cut = whole.cut(math.ceil(whole.extent / _LARGEST_EXTENT_IN_LOG))
-    return [RadiusStretch(one.low, one.high, count=_COUNT) for one in cut]
+def _intervals_in_u(part: RadiusStretch) -> list[RadiusStretch]:
+    """Return intervals into which a part is cut, of equal and not too large lengths in ``u``."""
+    interval = RadiusStretch(part.low, part.high, count=_COUNT)
+    intervals = interval.cut(math.ceil(interval.extent / _LARGEST_EXTENT_IN_U))
+    return [RadiusStretch(piece.low, piece.high, count=_COUNT) for piece in intervals]
 
 
 def _shears(growth: Growth, pieces: list[_HistoryPiece]) -> list[Array]:
@@ -104,7 +114,8 @@ def _shears(growth: Growth, pieces: list[_HistoryPiece]) -> list[Array]:
     ratios = []
     g, w = gauss_rule(_POINTS)
     for piece in pieces:
-        low, nodes = piece.interval.low, piece.interval.u_nodes
+        low = piece.interval.low
+        nodes = piece.interval.u_nodes
         # from the lower end to every node and to the upper end
         extent = np.append(nodes, piece.interval.high) - low
         rates = piece.rates((low + extent[:, None] * (1.0 + g) / 2.0).ravel())
@@ -115,50 +126,62 @@ def _shears(growth: Growth, pieces: list[_HistoryPiece]) -> list[Array]:
 
 
 def _errors(
-    pieces: list[_HistoryPiece], rows: dict[str, list[Array]], known: float | None
+    pieces: list[_HistoryPiece], rows: dict[str, list[Array]], normal_error: float | None
 ) -> Array:
     """Return estimates of relative errors on the pieces, in the order of `ContactHistory`."""
-    panels, series = [piece.panel for piece in pieces], _left_out(pieces, rows)
-    # errors of the flat punches of the panel of every piece, and the largest up to there
+    panels = [piece.panel for piece in pieces]
+    series = _series_errors(pieces, rows)
+    # errors of the flat punches of the panel of every piece, and the largest up to this piece
     flats = {name: np.array([_worst(panel, name) for panel in panels]) for name in _FLAT_QUANTITIES}
-    grown = {name: np.maximum.accumulate(values) for name, values in flats.items()}
+    largest_so_far = {name: np.maximum.accumulate(values) for name, values in flats.items()}
     # where all flat punches are alike, Q/P up to the first piece is exact and has no error
-    shear = series["shears"] + _carried(pieces, rows["loads"], 0.0 if panels[0].alike else 1.0)
-    shear += _FLAT_ERROR_FACTOR * (grown["total_shear"] + grown["approach"])
+    shear = series["shears"] + _errors_of_earlier_pieces(
+        pieces, rows["loads"], 0.0 if panels[0].punches_alike else 1.0
+    )
+    shear += _FLAT_ERROR_FACTOR * (largest_so_far["total_shear"] + largest_so_far["approach"])
     # the error that load and approach have in common
-    if known is None:
-        common = _carried(pieces, rows["approaches"], 1.0)
-        common += _FLAT_ERROR_FACTOR * (grown["pressure"] + grown["approach"])
+    if normal_error is None:
+        common = _errors_of_earlier_pieces(pieces, rows["approaches"], 1.0)
+        common += _FLAT_ERROR_FACTOR * (largest_so_far["pressure"] + largest_so_far["approach"])
     else:
-        known += max(panel.node_loads.node_error for panel in panels)
-        common = np.full(len(panels), known)
-    load, approach = common + series["loads"], common + series["approaches"]
+        normal_error += max(panel.node_loads.node_error for panel in panels)
+        common = np.full(len(panels), normal_error)
+    load = common + series["loads"]
+    approach = common + series["approaches"]
     return np.stack(
         [load, approach, shear + load, series["sticks"] + flats["stick_radius"]], axis=1
     )
 
 
-def _left_out(pieces: list[_HistoryPiece], rows: dict[str, list[Array]]) -> dict[str, Array]:
-    """Return what the series of the pieces and of their panels leave out."""
+def _series_errors(pieces: list[_HistoryPiece], rows: dict[str, list[Array]]) -> dict[str, Array]:
+    """Return the relative errors of the series of the pieces and of their panels, by name."""
     panels = [piece.panel for piece in pieces]
-    errors = {name: np.array([left_out(values) for values in row]) for name, row in rows.items()}
+    errors = {
+        name: np.array([interpolation_error(values) for values in row])
+        for name, row in rows.items()
+    }
     errors["loads"] += [panel.loads.interpolation_error for panel in panels]
     errors["approaches"] += [panel.approaches.interpolation_error for panel in panels]
-    errors["sticks"] += [left_out(panel.stick) if panel.slips else 0.0 for panel in panels]
+    errors["sticks"] += [
+        interpolation_error(panel.stick) if panel.slips else 0.0 for panel in panels
+    ]
     errors["shears"] += [panel.shear_error * float(np.abs(panel.shears).max()) for panel in panels]
     errors["shears"] /= np.array([max(np.abs(values).min(), TINY) for values in rows["shears"]])
-    # The last terms of one piece may be small by chance, so those of its neighbours count, too.
-    # Under cones errors between nodes are 1.1 times that at most, and at the end of a panel under a
-    # parabola with a shallow cone 2.3 times, for which there is a factor of 3.
+    # the last terms of one piece may be small by chance, so those of its neighbours count, too
     padded = {name: np.pad(values, 1, mode="edge") for name, values in errors.items()}
-    return {name: 3.0 * np.max([v[:-2], v[1:-1], v[2:]], axis=0) for name, v in padded.items()}
+    return {
+        name: _SERIES_ERROR_FACTOR * np.max([v[:-2], v[1:-1], v[2:]], axis=0)
+        for name, v in padded.items()
+    }
 
 
-def _carried(pieces: list[_HistoryPiece], logs: list[Array], first_error: float) -> Array:
-    """Return the errors that earlier pieces leave to every piece.
+def _errors_of_earlier_pieces(
+    pieces: list[_HistoryPiece], logs: list[Array], first_error: float
+) -> Array:
+    """Return the error at the beginning of every piece, the sum of those of earlier pieces.
 
-    An integral over the history keeps what every earlier piece has left out. The errors are of load
-    or approach, relative to its value at the lower end of the piece.
+    It is that of the load or approach, which are integrals over the history, relative to the value
+    at the lower end of the piece.
 
     Parameters
     ----------
@@ -168,14 +191,14 @@ def _carried(pieces: list[_HistoryPiece], logs: list[Array], first_error: float)
     first_error : float
         Relative error of the value at which the first piece begins.
     """
-    carried = []
-    # the error so far, not relative
-    lost = first_error * float(np.exp(chebyshev_value(logs[0], _ENDS[:1])[0]))
+    errors = []
+    # the error so far, in the unit of the load or approach
+    error_so_far = first_error * float(np.exp(chebyshev_value(logs[0], _ENDS[:1])[0]))
     for piece, values in zip(pieces, logs, strict=True):
         at_low, at_high = np.exp(chebyshev_value(values, _ENDS))
-        carried.append(lost / at_low)
-        lost += piece.panel.shear_error * (at_high - at_low)
-    return np.array(carried)
+        errors.append(error_so_far / at_low)
+        error_so_far += piece.panel.shear_error * (at_high - at_low)
+    return np.array(errors)
 
 
 def _worst(panel: Panel, name: str) -> float:

@@ -33,7 +33,7 @@ from spectral_contact.solving.stretch import (
     RadiusStretch,
     chebyshev_nodes,
     chebyshev_value,
-    left_out,
+    interpolation_error,
     slope,
 )
 from spectral_contact.spectral.jacobi import gauss_rule
@@ -84,19 +84,19 @@ class PowerCurve:
 
     @cached_property
     def _reduced_log(self) -> Array:
-        """``ln(values/b**power)`` at the nodes, over that at the end."""
-        falls = self.power * (self.stretch.u_nodes - self.stretch.high)
-        return np.asarray(np.log(self.values / self.values[-1]) - falls)
+        """``ln(values/b**power)`` at the nodes, scaled as in the docstring of the class."""
+        power_part = self.power * (self.stretch.u_nodes - self.stretch.high)
+        return np.asarray(np.log(self.values / self.values[-1]) - power_part)
 
     @property
     def interpolation_error(self) -> float:
         """Estimate of the relative error of the interpolant."""
-        return left_out(self._reduced_log)
+        return interpolation_error(self._reduced_log)
 
     def at(self, t: Array) -> Array:
         """Return the logarithm of the function at places."""
-        rises = self.power * (self.stretch.u_at(t) - self.stretch.high)
-        return chebyshev_value(self._reduced_log, t) + rises + math.log(self.values[-1])
+        power_part = self.power * (self.stretch.u_at(t) - self.stretch.high)
+        return chebyshev_value(self._reduced_log, t) + power_part + math.log(self.values[-1])
 
     def rate(self, t: Array) -> Array:
         """Return the derivative of that logarithm by ``v``, at places."""
@@ -157,12 +157,13 @@ class Panel:
     def slips(self) -> bool:
         """Whether a flat punch of the panel has a slip zone.
 
-        Just past the onset of slip the zone may be too narrow for the solver to find.
+        Just past the onset of slip the zone may be too narrow for the solver to find, so that some
+        punches of the panel have none.
         """
         return any(len(flat.zones) > 1 for flat in self.flats)
 
     @cached_property
-    def alike(self) -> bool:
+    def punches_alike(self) -> bool:
         """Whether all flat punches are the same, as on a smooth surface."""
         return all(flat is self.flats[0] for flat in self.flats)
 
@@ -180,7 +181,7 @@ class Panel:
         """Return the load ``P`` at places."""
         return np.asarray(np.exp(self.loads.at(t)))
 
-    def increment(self, t: Array) -> Array:
+    def dload_dv(self, t: Array) -> Array:
         """Return the derivative ``dP/dv`` at places."""
         return self.load(t) * self.loads.rate(t)
 
@@ -191,7 +192,7 @@ class Panel:
 
     def log_stick(self, t: Array) -> Array:
         """Return ``ln c*`` at places."""
-        if self.alike:
+        if self.punches_alike:
             return np.full_like(t, self.stick[0])
         return chebyshev_value(self.stick, t)
 
@@ -200,7 +201,7 @@ class Panel:
         nodes, weights = gauss_rule(2 * self.stretch.count)
         return self.stretch.extent / 2.0 * float(weights @ integrand(nodes))
 
-    def where_stuck(self, names: Sequence[str], t: Array, log_ratio: Array) -> Array:
+    def fields_in_stick(self, names: Sequence[str], t: Array, log_ratio: Array) -> Array:
         """Return fields of flat punches in their stick disks.
 
         Parameters
@@ -218,22 +219,22 @@ class Panel:
         """
         with np.errstate(divide="ignore"):
             x = -np.log(-np.expm1(-2.0 * log_ratio))
-        fields = FieldTable.several([self._stick_table(name) for name in names], t, x)
+        fields = FieldTable.evaluate([self._stick_table(name) for name in names], t, x)
         for name, values in zip(names, fields, strict=True):
             if name == "traction":
                 values *= np.exp(-log_ratio)  # the table is of the traction over s/c*
         return fields
 
-    def where_slipping(self, names: Sequence[str], t: Array, log_ratio: Array) -> Array:
+    def fields_in_slip(self, names: Sequence[str], t: Array, log_ratio: Array) -> Array:
         """Return fields of flat punches in their slip zones.
 
-        The parameters are those of `where_stuck`, except that the ratio is ``ln(1/s)``, and the
+        The parameters are those of `fields_in_stick`, except that the ratio is ``ln(1/s)``, and the
         names are of "pressure" and "slip".
         """
-        rest = -np.expm1(-2.0 * log_ratio)  # 1 - s**2
+        y = -np.expm1(-2.0 * log_ratio)  # 1 - s**2
         width = -np.expm1(2.0 * self.log_stick(t))
         # rounding may put a point inside the stick radius: then the fraction is 1
-        fraction = rest / np.maximum(width, np.maximum(rest, TINY))
+        fraction = y / np.maximum(width, np.maximum(y, TINY))
         return self._in_slip_zones(names, t, fraction)
 
     def _stick_table(self, name: str) -> FieldTable:
@@ -255,7 +256,7 @@ class Panel:
         """
         with np.errstate(divide="ignore"):
             x = np.log1p(-fraction) - np.log(fraction)
-        return FieldTable.several([self._slip_table(name) for name in names], t, x)
+        return FieldTable.evaluate([self._slip_table(name) for name in names], t, x)
 
     def _slip_table(self, name: str) -> FieldTable:
         """Return the table of a field in the slip zone; ``x = ln(ratio)`` of `_in_slip_zone`."""
@@ -272,7 +273,7 @@ class Panel:
         """Return the table of a field, with panels from ``x = low`` on; it is made once."""
         key = name, low
         if key not in self.tables:
-            flats = self.flats[:1] if self.alike else self.flats
+            flats = self.flats[:1] if self.punches_alike else self.flats
             self.tables[key] = FieldTable(
                 lambda x: np.array([values(flat, x) for flat in flats]), low, panels
             )
@@ -283,7 +284,7 @@ class Panel:
         """Estimate of the error of the interpolants of load and ``Q*``, relative to the largest."""
         largest = max(float(np.abs(self.shears).max()), TINY)
         load_error = max(self.node_loads.error, self.loads.interpolation_error)
-        return float(max(load_error, left_out(self.shears) / largest))
+        return float(max(load_error, interpolation_error(self.shears) / largest))
 
     @cached_property
     def error(self) -> float:
@@ -292,7 +293,7 @@ class Panel:
         These are those of ``dP/dv``, ``Q*``, ``c*`` and the fields, each relative to its largest
         value. The error of the series in ``x``, `series_error`, is not in it.
         """
-        stick_error = left_out(self.stick) if self.slips else 0.0
+        stick_error = interpolation_error(self.stick) if self.slips else 0.0
         rate_error = _RATE_FACTOR * max(self.loads.interpolation_error, self.node_loads.error)
         field_errors = map(self._field_error, self.fields)
         return max(rate_error, self.shear_error, stick_error, *field_errors)
@@ -324,15 +325,19 @@ class Panel:
         # that the largest slip of the panel bounds its error.
         flat_errors = np.where(relative <= 1.0, largest * relative, largest.max())
         # an error of c* moves points in the slip zone, by this fraction of its width
-        shift = left_out(self.stick) * 2.0 / np.maximum(np.expm1(-2.0 * self.stick), TINY)
-        interpolation_error = max(left_out(values) for values in self.slip_samples.T)
-        # what slip of 1 everywhere would add, by (docs/theory, G.4), times b at the lower end
-        weight = self.integral(
-            lambda t: self.increment(t) * np.exp(self.low - self.stretch.u_at(t))
+        shift = (
+            interpolation_error(self.stick) * 2.0 / np.maximum(np.expm1(-2.0 * self.stick), TINY)
         )
-        # the error of dP, integrated by parts: that of P at the ends, and with the changes of slip
+        slip_interpolation_error = max(
+            interpolation_error(values) for values in self.slip_samples.T
+        )
+        # the slip by (docs/theory, G.4) if that of all flat punches were 1, times b at the lower
+        # end of the panel
+        weight = self.integral(lambda t: self.dload_dv(t) * np.exp(self.low - self.stretch.u_at(t)))
+        # The error of dP is integrated by parts: it gives the error of P at the two ends, and that
+        # of P times the changes of the slip between, which count as one end.
         load_error = 2.0 * self.loads.interpolation_error * float(self.load(np.ones(1))[0])
-        field_error = weight * (interpolation_error + (flat_errors + largest * shift).max())
+        field_error = weight * (slip_interpolation_error + (flat_errors + largest * shift).max())
         return float(field_error + load_error * largest.max()) * math.exp(-self.low)
 
     def _field_error(self, name: str) -> float:
@@ -343,7 +348,7 @@ class Panel:
         table = self._stick_table(name)
         samples = self._at_nodes(table, -np.log1p(-(_STICK_SAMPLES**2)))
         largest = max(float(np.abs(samples).max()), TINY)
-        return max(left_out(values) / largest for values in samples.T)
+        return max(interpolation_error(values) / largest for values in samples.T)
 
     def _at_nodes(self, field: Callable[[Array, Array], Array], positions: Array) -> Array:
         """Return a field of ``t`` and a position at all nodes and positions, (nodes, positions)."""
@@ -395,7 +400,7 @@ def _in_slip_zone(flat: Solution, name: str, ratio: Array) -> Array:
 
 
 def _zone_piece(flat: Solution, name: str, zone: int) -> ZonePiece | None:
-    """Return the series of a field in one zone; None if it has not one series for each zone."""
+    """Return the series of a field in one zone; None unless the field has one for each zone."""
     field = getattr(flat, f"{name}_field")
     if not isinstance(field, ZonalField) or not zone < len(field.pieces) == len(flat.zones):
         return None

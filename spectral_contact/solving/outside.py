@@ -1,4 +1,4 @@
-r"""How far the surface outside a flat punch goes down with it.
+r"""The displacement of the surface outside a flat punch.
 
 Outside the contact the shear does not move the surface normally (docs/theory: the term
 ``kappa int_s^1 q`` ends at the edge), so for unit approach, at ``x = 1/xi`` radii,
@@ -25,13 +25,17 @@ from spectral_contact.spectral.jacobi import gauss_rule, graded_rule, legendre_e
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-#: Number of panels in ``-ln Y``, their width, and the points on each. Nearer to the edge than the
-#: last panel the surface goes down as at the edge.
-_PANELS, _WIDTH, _POINTS = 36, 2.0, 16
-#: Quadrature of the pressure towards the boundary of a zone, where it is almost smooth: points on a
-#: panel, panels, and the ratio of the widths of two neighbours. Towards the edge the rule has the
-#: panels above, in ``-ln y``.
-_BOUNDARY = 12, 16, 0.15
+#: Number of panels in ``-ln Y``. Nearer to the edge than the last panel the displacement is taken
+#: to be that at the edge.
+_PANELS = 36
+#: Width of a panel.
+_WIDTH = 2.0
+#: Number of points on a panel.
+_POINTS = 16
+#: Arguments of `graded_rule` for the pressure towards the boundary of a zone, where it is almost
+#: smooth: points on a panel, panels, and the ratio of the widths of two neighbours. Towards the
+#: edge the rule has the panels above, in ``-ln y``.
+_BOUNDARY_RULE = 12, 16, 0.15
 
 
 def outside_displacement(flat: Solution) -> LogSeries:
@@ -44,23 +48,23 @@ def outside_displacement(flat: Solution) -> LogSeries:
     """
     field = flat.pressure_field
     assert field is not None
-    inner = [Radius(zone.outer, zone.outer_from_edge) for zone in flat.zones[:-1]]
-    y, weights = _quadrature(inner)
+    boundaries = [Radius(zone.outer, zone.outer_from_edge) for zone in flat.zones[:-1]]
+    y, weights = _quadrature(boundaries)
     s = np.sqrt(1.0 - y)
-    strength = weights * field(s, y / (1.0 + s)) / (2.0 * math.pi * flat.approach)
-    kernel = _kernel(y) if inner else _kernel_of_one_zone()
-    values = (kernel @ strength).reshape(_PANELS, _POINTS)
+    weighted_pressure = weights * field(s, y / (1.0 + s)) / (2.0 * math.pi * flat.approach)
+    kernel = _kernel(y) if boundaries else _kernel_of_one_zone()
+    values = (kernel @ weighted_pressure).reshape(_PANELS, _POINTS)
     table = values @ legendre_expansion_matrix(_POINTS, _POINTS - 1).T
     return LogSeries(table, np.array([table[-1].sum()]), _WIDTH)
 
 
-def reached(series: list[LogSeries], ahead: Array) -> Array:
+def outside_values(series: list[LogSeries], log_ratio: Array) -> Array:
     """Return ``omega`` of several punches at radii outside of them, (punches, n).
 
-    ``ahead`` is the logarithm of the radius over that of the punch.
+    ``log_ratio`` is the logarithm of the radius over that of the punch.
     """
-    distance = -np.expm1(-2.0 * ahead)
-    return LogSeries.several(series, distance) * np.exp(-ahead)
+    distance = -np.expm1(-2.0 * log_ratio)
+    return LogSeries.values_of(series, distance) * np.exp(-log_ratio)
 
 
 @bounded_cache("outside a flat punch", 1)
@@ -75,16 +79,21 @@ def _kernel(y: Array) -> Array:
     return np.asarray(ellipkm1(y + outside * (1.0 - y)))
 
 
-def _quadrature(inner: list[Radius]) -> tuple[Array, Array]:
-    """Return ``y`` and weights on zones with these boundaries, graded to them and to the edge."""
+def _quadrature(boundaries: list[Radius]) -> tuple[Array, Array]:
+    """Return ``y`` and weights on zones with these boundaries, graded to them and to the edge.
+
+    Each zone is cut in the middle, as it is singular at both ends. The outer half of the outermost
+    zone has the rule for the edge.
+    """
     d, w = _toward_edge()
-    if not inner:
+    if not boundaries:
         return d, w
-    g, v = graded_rule(*_BOUNDARY)
-    rests = [0.0, *(one.rest for one in inner[::-1]), 1.0]
-    middle = rests[1] / 2.0
-    points, weights = [middle * d], [middle * w]
-    for k, (low, high) in enumerate(pairwise(rests)):
+    g, v = graded_rule(*_BOUNDARY_RULE)
+    y_of_boundaries = [0.0, *(boundary.rest for boundary in boundaries[::-1]), 1.0]
+    middle = y_of_boundaries[1] / 2.0
+    points = [middle * d]
+    weights = [middle * w]
+    for k, (low, high) in enumerate(pairwise(y_of_boundaries)):
         start = middle if k == 0 else low
         if k > 0:
             half = (high - start) / 2.0
@@ -97,9 +106,10 @@ def _quadrature(inner: list[Radius]) -> tuple[Array, Array]:
 
 
 def _toward_edge() -> tuple[Array, Array]:
-    """Return distances and weights of a rule on (0, 1) for what is singular at 0.
+    """Return distances and weights of a rule on (0, 1) for integrands that are singular at 0.
 
-    What is nearer to 0 than the last panel is left out: of the integral of an inverse root 2e-16.
+    The part nearer to 0 than the last panel is left out. In the integral of an inverse square root
+    that is 2e-16.
     """
     g, w = gauss_rule(_POINTS)
     d = np.exp(-_WIDTH * (np.arange(_PANELS)[:, None] + (1.0 + g) / 2.0))

@@ -38,7 +38,7 @@ from spectral_contact.solution import (
 from spectral_contact.solving.asked import asked_quantities
 
 _NO_FRICTION = "the scene has no friction coefficient"
-#: What is proportional to the load as long as nothing slips.
+#: Quantities that are proportional to the load as long as nothing slips.
 _PROPORTIONAL_TO_LOAD = frozenset({"approach", "pressure", "traction", "slip", "total_shear"})
 
 
@@ -106,8 +106,8 @@ def possible_quantities(scene: Scene) -> tuple[str, ...]:
     if scene.profile is None:
         thresholds = UNLOADED_QUANTITIES if scene.unloaded_to < 1.0 else ()
         return QUANTITIES + thresholds
-    of_adhesion = ADHESION_QUANTITIES if scene.work_of_adhesion is not None else ()
-    return PROFILE_QUANTITIES + of_adhesion + QUANTITIES
+    adhesion_quantities = ADHESION_QUANTITIES if scene.work_of_adhesion is not None else ()
+    return PROFILE_QUANTITIES + adhesion_quantities + QUANTITIES
 
 
 def _no_traction_condition(scene: Scene) -> str:
@@ -143,19 +143,22 @@ def _coupling(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, ...]
     elif scene.friction == 0.0:
         reason = "at friction 0 no traction acts back on the pressure"
         if not FULL_STICK_RATIOS.isdisjoint(present):
-            state, reason = StepState.RUN, "the ratios q/p are those of coupled full stick"
+            state = StepState.RUN
+            reason = "the ratios q/p are those of coupled full stick"
     elif not _needs_tangential(scene, present):
         reason = "nothing asked for depends on the traction"
     else:
-        state, reason = StepState.RUN, "the scene asks for it: pressure and traction are one system"
+        state = StepState.RUN
+        reason = "the scene asks for it: pressure and traction are one system"
     return (PlannedStep(COUPLING, state, reason),)
 
 
 def _needs_tangential(scene: Scene, present: Iterable[str]) -> bool:
     """Return whether anything asked for needs the tangential problem solved.
 
-    Nothing does without friction, and where the pressure drives no traction. At friction 0 all but
-    the slip and the ratios of full stick is known in advance, at infinite friction zones and slip.
+    Nothing does without friction, or where the pressure drives no traction. Some quantities are
+    known in advance: at friction 0 all but the slip and the ratios of full stick, at infinite
+    friction the zones and the slip.
     """
     if scene.friction is None or _no_traction_condition(scene):
         return False
@@ -191,7 +194,7 @@ def _normal(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
 
 
 def _tangential(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
-    """Return the step that finds the traction, with its reason: full stick, or a growing contact.
+    """Return the step by which the traction is found: full stick, or a growing contact.
 
     On a contact area that does not change, full stick does not depend on the history.
     """
@@ -225,7 +228,8 @@ def _tangential(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
 
 def _partial_slip(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, ...]:
     """Return the steps of partial slip, of its zones and of its slip, with their reasons."""
-    friction, asked = scene.friction, _traction_dependent(scene).intersection(present)
+    friction = scene.friction
+    asked = _traction_dependent(scene).intersection(present)
 
     def skipped(reason: str) -> tuple[PlannedStep, ...]:
         names = (PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)

@@ -30,7 +30,7 @@ from spectral_contact.solution import (
     StepState,
 )
 from spectral_contact.solving.run import Run
-from spectral_contact.solving.sharing import StepCache, value_at, well_spaced
+from spectral_contact.solving.sharing import RadiusPath, StepCache
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.view.progress import ProgressLine
 
@@ -43,10 +43,6 @@ if TYPE_CHECKING:
     from spectral_contact.solving.growth import Growth
     from spectral_contact.solving.stages import FlatPunches, Stages
 
-#: A first guess of the radius is extrapolated from at most `_POINTS` earlier scenes. Only those
-#: count whose load (or approach) differs from that of this scene by less than `_FARTHEST` in its
-#: logarithm.
-_POINTS, _FARTHEST = 5, 1.0
 #: Tolerance of the normal contact without coupling that bounds the radius up to which a history
 #: with coupling is followed.
 _ROUGH_TOLERANCE = 1e-4
@@ -86,10 +82,10 @@ class ProfileRun(Run):
         todo: Plan,
         rtol: float,
         max_unknowns: int,
-        shared: StepCache,
+        cache: StepCache,
         flat: FlatPunches,
     ) -> None:
-        super().__init__(scene, todo, rtol, max_unknowns, shared)
+        super().__init__(scene, todo, rtol, max_unknowns, cache)
         self._flat = flat
 
     def run_steps(self, states: dict[str, StepState]) -> None:
@@ -98,23 +94,23 @@ class ProfileRun(Run):
             self._has_growth_step(states) and not self.scene.couples
         ):
             fields = {"pressure", "traction"}.intersection(self.plan.quantities)
-            sticks = states.get(FULL_STICK) is StepState.RUN
-            self._indent(pointwise=bool(fields) or sticks, drives=sticks)
+            full_stick_runs = states.get(FULL_STICK) is StepState.RUN
+            self._indent(pointwise=bool(fields) or full_stick_runs, drives=full_stick_runs)
         self.tangential(states, None)
         if states.get(FULL_STICK) is StepState.RUN:
-            self._stick_on_layer()
+            self._run_full_stick_on_layer()
         if self._has_growth_step(states):
             from spectral_contact.solving.stages import NoFlatPunchError
 
             with ProgressLine(self.cache.progress) as tell:
-                history = self._stages(self.scene, tell)
+                stages = self._stages(self.scene, tell)
                 if not self.scene.couples:
-                    self._grow_uncoupled(history)
+                    self._grow_uncoupled(stages)
                     return
                 try:
-                    self._grow_coupled(history)
+                    self._grow_coupled(stages)
                 except NoFlatPunchError as error:
-                    self._grow_stuck(str(error), tell)
+                    self._grow_full_stick(str(error), tell)
 
     def _stages(self, scene: Scene, tell: Callable[[str], None]) -> Stages:
         """Return the flat punches of the history of a scene; `tell` as of `Stages`."""
@@ -122,7 +118,7 @@ class ProfileRun(Run):
 
         return Stages(scene, self.rtol, self.max_unknowns, tell, self._fields(), self._flat)
 
-    def _grow_stuck(self, refusal: str, tell: Callable[[str], None]) -> None:
+    def _grow_full_stick(self, refusal: str, tell: Callable[[str], None]) -> None:
         """Store a history of full stick: some flat punch has no zones that obey the friction law.
 
         All errors are infinite, except that of the load, approach or radius that is given.
@@ -142,13 +138,23 @@ class ProfileRun(Run):
         return states.get(GROWTH) is StepState.RUN
 
     def _indent(self, *, pointwise: bool, drives: bool = False) -> None:
-        scene, begin = self.scene, perf_counter()
+        """Solve normal contact and store it.
+
+        Parameters
+        ----------
+        pointwise : bool
+            Whether `rtol` bounds the error of the pressure at every radius, else of the load only.
+        drives : bool
+            Whether the pressure loads full stick, which needs it to a tighter tolerance.
+        """
+        scene = self.scene
+        begin = perf_counter()
         profile = scene.profile
         assert profile is not None
         error = 0.0
         solved: Contact
         if scene.contact_radius is not None:
-            solved = self._at(scene.contact_radius, self.rtol, pointwise)
+            solved = self._contact_of_radius(scene.contact_radius, self.rtol, pointwise)
         elif scene.layer is not None:
             solved, error = self._through_layer(scene.layer, pointwise, drives)
         elif isinstance(profile, Flat):
@@ -160,23 +166,26 @@ class ProfileRun(Run):
 
             solved, error = adhesive(scene, self.rtol, self.max_unknowns, pointwise=pointwise)
         else:
-            path, along, alpha = self._path, self._along, scene.normal_compliance
+            path = self._path
+            control_value = self._control_value
+            alpha = scene.normal_compliance
             solved, error = find_radius(
                 profile,
-                self._at,
+                self._contact_of_radius,
                 self.rtol,
                 load=scene.load,
                 approach=scene.approach,
                 pointwise=pointwise,
-                near=path.near(along),
+                near=path.predict(control_value),
                 first=lambda a: values_only(profile, a, alpha, self.rtol, self.max_unknowns),
             )
-            path.add(along, value_of(solved).radius)
+            path.add(control_value, value_of(solved).radius)
         found: Indentation = self.record(NORMAL, solved, begin)
         if scene.work_of_adhesion is not None:
-            found = self._adhere(found, error, scene.work_of_adhesion)
-        self._check(found)
-        self.pressure, self._driving = found.pressure, found.normal
+            found = self._store_adhesion(found, error, scene.work_of_adhesion)
+        self._check_overclosure(found)
+        self.pressure = found.pressure
+        self._driving = found.normal
         if endless(scene):
             self.values["domain_radius"] = found.radius
         if scene.layer is not None:
@@ -207,11 +216,11 @@ class ProfileRun(Run):
         """
         scene = self.scene
         assert scene.profile is not None
-        unknown = scene.profile._relative_error(found.radius)
+        data_error = scene.profile._relative_error(found.radius)
         if scene.layer is not None:
             area = math.pi * found.radius**2
             law = scene.layer._errors(found.overclosure)
-            unknown += law.pressure * area / found.load
+            data_error += law.pressure * area / found.load
             self.errors["stiffness"] += law.stiffness
             self.errors["indentation_work"] += law.energy * area / found.work
         for name in (
@@ -223,14 +232,20 @@ class ProfileRun(Run):
             "pressure",
         ):
             if getattr(scene, name, None) is None:
-                self.errors[name] += unknown
+                self.errors[name] += data_error
         if isinstance(scene.profile, Flat):
             self.errors["contact_radius"] = 0.0
 
-    def _adhere(self, found: Indentation, error: float, adhesion: float) -> Indentation:
-        """Return the contact with the surface energy in its work; store what adhesion adds.
+    def _store_adhesion(self, found: Indentation, error: float, adhesion: float) -> Indentation:
+        """Store what adhesion adds; return the contact with the surface energy in its work.
 
-        The error is that of its radius.
+        Parameters
+        ----------
+        found : Indentation
+        error : float
+            Relative error of its radius.
+        adhesion : float
+            Work of adhesion.
         """
         from spectral_contact.solving.adhesive import (
             CONTROLS_HELD,
@@ -239,7 +254,8 @@ class ProfileRun(Run):
             with_surface_energy,
         )
 
-        if isinstance(self.scene.profile, Flat):  # linear in the approach, with a constant area
+        # under a flat punch the load is linear in the approach, and the surface energy is constant
+        if isinstance(self.scene.profile, Flat):
             self.values.update(stable_under=CONTROLS_HELD, stiffness_on_branch=found.stiffness)
             self.errors["stiffness_on_branch"] = found.stiffness_error
             return found
@@ -250,22 +266,24 @@ class ProfileRun(Run):
         )
         if "stiffness_on_branch" in self.plan.quantities:
             curve = curve_of(self.scene, self.rtol, self.max_unknowns)
-            along = stability(curve, found, error)
-            self.values["stable_under"] = along.stable_under
-            if along.stiffness is None:
-                self.unavailable["stiffness_on_branch"] = along.reason
+            stability_of_branch = stability(curve, found, error)
+            self.values["stable_under"] = stability_of_branch.stable_under
+            if stability_of_branch.stiffness is None:
+                self.unavailable["stiffness_on_branch"] = stability_of_branch.reason
             else:
-                self.values["stiffness_on_branch"] = along.stiffness
-                scale = max(abs(along.stiffness), found.stiffness)
+                self.values["stiffness_on_branch"] = stability_of_branch.stiffness
+                scale = max(abs(stability_of_branch.stiffness), found.stiffness)
                 self.values["stiffness_on_branch_scale"] = scale
-                self.errors["stiffness_on_branch"] = along.error
+                self.errors["stiffness_on_branch"] = stability_of_branch.error
         return with_surface_energy(found, adhesion)
 
-    def _stick_on_layer(self) -> None:
+    def _run_full_stick_on_layer(self) -> None:
         """Solve full stick under a flat punch, in units of its radius."""
-        begin, scene = perf_counter(), self.scene
+        begin = perf_counter()
+        scene = self.scene
         assert self._driving is not None
-        radius, kappa = self.values["contact_radius"], scene.kappa
+        radius = self.values["contact_radius"]
+        kappa = scene.kappa
         compliances = self._driving.compliance, scene.tangential_compliance / radius
         solved = self.solve_full_stick(
             Parameters(*compliances, 1.0, math.inf),
@@ -292,15 +310,15 @@ class ProfileRun(Run):
         )
 
     @property
-    def _path(self) -> _RadiusPath:
+    def _path(self) -> RadiusPath:
         """Radii of contacts like this one, from scene to scene."""
         scene = self.scene
         key = (scene.profile, scene.normal_compliance, scene.layer, scene.load is None)
-        return self.cache.get(NORMAL, key, _RadiusPath)
+        return self.cache.get(NORMAL, key, RadiusPath)
 
     @property
-    def _along(self) -> float:
-        """The load, or the approach beyond its value at first contact."""
+    def _control_value(self) -> float:
+        """The load that is given, or the approach less its value at first contact."""
         scene = self.scene
         if scene.load is not None:
             return scene.load
@@ -308,7 +326,10 @@ class ProfileRun(Run):
         return scene.approach - (0.0 if scene.layer is None else scene.layer.start)
 
     def _through_layer(self, layer: Layer, pointwise: bool, drives: bool) -> tuple[Contact, float]:
-        """Return the contact of what is given, and the relative error of its radius."""
+        """Return the contact at the load, approach or separation that is given.
+
+        Its radius has the relative error that is returned, too. `drives` is as of `_indent`.
+        """
         from spectral_contact.contact.layered_setting import has_edge
         from spectral_contact.solving.through_layer import through_layer
 
@@ -325,14 +346,14 @@ class ProfileRun(Run):
             separation=scene.separation,
             pointwise=pointwise,
             drives=drives,
-            near=self._path.near(self._along) if edged else None,
+            near=self._path.predict(self._control_value) if edged else None,
         )
         if edged:
-            self._path.add(self._along, value_of(solved).radius)
+            self._path.add(self._control_value, value_of(solved).radius)
         return solved, error
 
-    def _at(self, radius: float, tolerance: float, pointwise: bool) -> Contact:
-        """Return the contact of a radius."""
+    def _contact_of_radius(self, radius: float, tolerance: float, pointwise: bool) -> Contact:
+        """Return normal contact at a given contact radius."""
         scene = self.scene
         assert scene.profile is not None
         if scene.layer is not None:
@@ -345,7 +366,7 @@ class ProfileRun(Run):
         adhesion = scene.work_of_adhesion or 0.0
         return solve_indentation(*given, pointwise=pointwise, adhesion=adhesion)
 
-    def _check(self, found: Indentation) -> None:
+    def _check_overclosure(self, found: Indentation) -> None:
         """Raise if the overclosure exceeds the limit of the layer's law."""
         layer = self.scene.layer
         if layer is None:
@@ -353,48 +374,59 @@ class ProfileRun(Run):
         # a separation may put the overclosure at the limit, to rounding
         if found.overclosure - layer.limit <= ROUNDING * found.approach_size:
             return
-        [name] = [one for one in ALL_CONTROLS if getattr(self.scene, one) is not None]
-        told = f"such that the overclosure stays below the end of the law, {layer.limit:.6g}; "
-        told += f"it becomes {found.overclosure:.6g}"
-        raise SceneError(name, getattr(self.scene, name), told)
+        [name] = [control for control in ALL_CONTROLS if getattr(self.scene, control) is not None]
+        allowed = (
+            f"such that the overclosure stays below the end of the law, {layer.limit:.6g}; "
+            f"it becomes {found.overclosure:.6g}"
+        )
+        raise SceneError(name, getattr(self.scene, name), allowed)
 
-    def _grow_uncoupled(self, history: Stages) -> None:
-        """Superpose the flat punches of the history with the known increments of the load."""
-        begin, scene = perf_counter(), self.scene
+    def _grow_uncoupled(self, stages: Stages) -> None:
+        """Superpose the flat punches of the history with the increments of the load.
+
+        Without coupling these follow from normal contact.
+        """
+        begin = perf_counter()
+        scene = self.scene
         radius = self.values["contact_radius"]
         # the first radius of the history: what the contact does before is negligible
-        least = history.least(radius, self.values["load"])
-        growth = history.grower(least, radius).grown(least, radius, self.values["load"])
-        today = self._take_zones(history, growth)
+        first_radius = stages.first_radius(radius, self.values["load"])
+        growth = stages.grower(first_radius, radius).grown(
+            first_radius, radius, self.values["load"]
+        )
+        today = self._store_zones(stages, growth)
         self.errors["total_shear"] += self.errors["load"]
         wanted = {"traction", "slip"}.intersection(self.plan.quantities)  # the pressure is known
         fields = self._superposed(growth, today, wanted)
         if "traction" in self.plan.quantities:
             assert scene.friction is not None
             assert self.pressure is not None
-            found = fields.traction(scene.friction, self.pressure)
-            self.traction = found.field
-            self.errors["traction"] = growth.error + found.relative_error + self.errors["pressure"]
-        self._take_slip(fields, self.errors["load"])
-        known = self.errors["load"] + self.errors["approach"]
-        self._take_history(growth, begin, known)
+            traction = fields.traction(scene.friction, self.pressure)
+            self.traction = traction.field
+            self.errors["traction"] = (
+                growth.error + traction.relative_error + self.errors["pressure"]
+            )
+        self._store_slip(fields, self.errors["load"])
+        known_error = self.errors["load"] + self.errors["approach"]
+        self._store_history(growth, begin, known_error)
 
-    def _grow_coupled(self, history: Stages) -> None:
+    def _grow_coupled(self, stages: Stages) -> None:
         """Build the history with coupling, where the load at a radius depends on the history."""
-        begin, scene = perf_counter(), self.scene
+        begin = perf_counter()
+        scene = self.scene
         assert scene.friction is not None
         radius, load = self._uncoupled_bound()
-        least = history.least(radius, load)
-        grower = history.grower(least, radius)
-        growth = grower.grown(least, radius, load)
+        first_radius = stages.first_radius(radius, load)
+        grower = stages.grower(first_radius, radius)
+        growth = grower.grown(first_radius, radius, load)
         given = "loads" if scene.approach is None else "approaches"
         value = scene.load if scene.approach is None else scene.approach
         radius_error = 0.0
         if value is not None:
-            at = growth.radius_of(given, value)
-            if at is None:
+            log_radius = growth.radius_of(given, value)
+            if log_radius is None:
                 raise NotComputedError("contact_radius", _NOT_REACHED)
-            growth = grower.until(growth, at)
+            growth = grower.until(growth, log_radius)
         radius = scene.contact_radius or math.exp(growth.log_radius)
         assert scene.profile is not None
         profile_error = scene.profile._relative_error(radius)
@@ -413,7 +445,7 @@ class ProfileRun(Run):
             approach=0.0 if scene.approach else error + growth.approach_rate * radius_error,
             indentation_work=2.0 * error + (growth.load_rate + growth.approach_rate) * radius_error,
         )
-        today = self._take_zones(history, growth)
+        today = self._store_zones(stages, growth)
         self.errors["total_shear"] += error
         self.values["stiffness"] = radius / today.approach
         # the stiffness goes like a power of the radius: 1 on a smooth surface, 2 on a soft layer
@@ -424,33 +456,36 @@ class ProfileRun(Run):
             wanted |= {"pressure", "traction"}
         fields = self._superposed(growth, today, wanted)
         if pointwise:
-            self._take_fields(fields, today, error)
-        self._take_slip(fields, error)
-        self._take_history(growth, begin)
+            self._store_fields(fields, today, error)
+        self._store_slip(fields, error)
+        self._store_history(growth, begin)
 
-    def _take_fields(self, fields: GrownFields, today: Solution, error: float) -> None:
+    def _store_fields(self, fields: GrownFields, today: Solution, error: float) -> None:
         """Add up pressure and traction."""
         growth = fields.growth
         friction = self.scene.friction
         assert friction is not None
         from spectral_contact.solving.grown_fields import opening
 
-        pressed = fields.pressure()
-        self.pressure = pressed.field
+        pressure = fields.pressure()
+        self.pressure = pressure.field
         if today.opening is not None:
-            self.values["opening"] = opened = opening(pressed.field)
-            if opened is not None:
-                told = f"one history; the contact would open within {opened:.3g} of the edge"
-                self.ran(told, COUPLING)
-        mean = growth.load / (math.pi * fields.radius**2)
-        left = growth.error + error + growth.load_rate * self.errors["contact_radius"]
-        # `left` is relative to the pressure itself, which is taken to be twice the mean at most
-        self.errors["pressure"] = pressed.error / mean + 2.0 * left
-        found = fields.traction(friction, pressed.field)
-        self.traction = found.field
-        self.errors["traction"] = left + found.relative_error
+            self.values["opening"] = opening_length = opening(pressure.field)
+            if opening_length is not None:
+                message = (
+                    f"one history; the contact would open within {opening_length:.3g} of the edge"
+                )
+                self.ran(message, COUPLING)
+        mean_pressure = growth.load / (math.pi * fields.radius**2)
+        history_error = growth.error + error + growth.load_rate * self.errors["contact_radius"]
+        # `history_error` is relative to the pressure itself, which is taken to be at most twice the
+        # mean
+        self.errors["pressure"] = pressure.error / mean_pressure + 2.0 * history_error
+        traction = fields.traction(friction, pressure.field)
+        self.traction = traction.field
+        self.errors["traction"] = history_error + traction.relative_error
 
-    def _take_slip(self, fields: GrownFields, load_error: float) -> None:
+    def _store_slip(self, fields: GrownFields, load_error: float) -> None:
         """Add up the slip, if it is asked for and there was any."""
         growth = fields.growth
         if "slip" not in self.plan.quantities:
@@ -467,22 +502,31 @@ class ProfileRun(Run):
                 + growth.load_rate * self.errors["contact_radius"]
             )
 
-    def _take_history(self, growth: Growth, begin: float, known: float | None = None) -> None:
-        """Keep what the contact was like on its way, and note the work."""
+    def _store_history(
+        self, growth: Growth, begin: float, normal_error: float | None = None
+    ) -> None:
+        """Store curves of the history, such as the load by the radius, and note the work.
+
+        `normal_error` is the error of their loads and approaches by normal contact; it is None with
+        coupling, where they come from the history.
+        """
         from spectral_contact.solving.growth_history import history_of
 
-        self.history = history_of(growth, known)
+        self.history = history_of(growth, normal_error)
         self.record(GROWTH, growth, begin)
 
     def _superposed(self, growth: Growth, today: Solution, names: set[str]) -> GrownFields:
-        """Return the fields of these names that a history has left."""
+        """Return what superposes the fields of these names over the flat punches of a history.
+
+        `today` is the latest flat punch.
+        """
         from spectral_contact.solving.grown_fields import GrownFields
         from spectral_contact.solving.growth_panel import stick_radius
 
         compliances = self.scene.normal_compliance, self.scene.tangential_compliance
         radius = self.values["contact_radius"]
-        layer = min(compliances) / radius
-        return GrownFields(growth, radius, stick_radius(today), layer, self.rtol, names)
+        min_compliance = min(compliances) / radius
+        return GrownFields(growth, radius, stick_radius(today), min_compliance, self.rtol, names)
 
     def _uncoupled_bound(self) -> tuple[float, float]:
         """Return radius and load of normal contact without coupling.
@@ -492,17 +536,19 @@ class ProfileRun(Run):
         scene = self.scene
         assert scene.profile is not None
         if scene.contact_radius is not None:
-            found = self._at(scene.contact_radius, _ROUGH_TOLERANCE, pointwise=False)
+            contact = self._contact_of_radius(
+                scene.contact_radius, _ROUGH_TOLERANCE, pointwise=False
+            )
         else:
-            found, _ = find_radius(
+            contact, _ = find_radius(
                 scene.profile,
-                self._at,
+                self._contact_of_radius,
                 _ROUGH_TOLERANCE,
                 load=scene.load,
                 approach=scene.approach,
                 pointwise=False,
             )
-        value = value_of(found)
+        value = value_of(contact)
         radius = value.radius
         # With coupling the radius is smaller. Near nu = 0.5 the difference is less than the error
         # of this radius, which is therefore enlarged.
@@ -510,53 +556,26 @@ class ProfileRun(Run):
             radius += min(_RADIUS_MARGIN * radius, (scene.profile.reach - radius) / 2.0)
         return radius, value.load
 
-    def _take_zones(self, history: Stages, growth: Growth) -> Solution:
-        """Take today's zones, which are those of a flat punch, and the shear."""
-        today = history.flat(math.exp(growth.log_radius))
+    def _store_zones(self, stages: Stages, growth: Growth) -> Solution:
+        """Store today's zones, which are those of a flat punch, and the shear; return the punch."""
+        today = stages.flat(math.exp(growth.log_radius))
         self.values.update(
             zones=today.zones, stick_radius=today.stick_radius, total_shear=growth.total_shear
         )
         radius_error = self.errors["contact_radius"]
-        of_stick = growth.stick_rate * radius_error
+        stick_error = growth.stick_rate * radius_error
         self.errors.update(
-            zones=(today.error.zones or 0.0) + of_stick,
-            stick_radius=(today.error.stick_radius or 0.0) + of_stick,
+            zones=(today.error.zones or 0.0) + stick_error,
+            stick_radius=(today.error.stick_radius or 0.0) + stick_error,
             total_shear=growth.shear_error + growth.shear_rate * radius_error,
         )
         return today
 
     def _fields(self) -> tuple[str, ...]:
-        """Return the fields that are superposed."""
-        asked = self.plan.quantities
-        if {"pressure", "traction", "slip"}.isdisjoint(asked):
+        """Return the names of the fields that are superposed over the history."""
+        quantities = self.plan.quantities
+        if {"pressure", "traction", "slip"}.isdisjoint(quantities):
             return ()
-        # panels that are fine enough for the traction are for the slip
+        # panels of radii that resolve the traction resolve the slip, too
         names = ("pressure", "traction") if self.scene.couples else ("traction",)
-        return (*names, "slip") if "slip" in asked else names
-
-
-class _RadiusPath:
-    """Loads or approaches and their contact radii, from scene to scene."""
-
-    def __init__(self) -> None:
-        self._known: list[tuple[float, float]] = []
-
-    def add(self, value: float, radius: float) -> None:
-        """Keep what a scene has found."""
-        self._known = [*self._known, (math.log(value), math.log(radius))][-_POINTS:]
-
-    def near(self, value: float) -> float | None:
-        """Return a guess of the radius, or None if fewer than two scenes are known.
-
-        It is a polynomial in the logarithms.
-        """
-        target = math.log(value)
-        known = [one for one in self._known if 0.0 < abs(one[0] - target) < _FARTHEST]
-        # the latest first: of several scenes at one place `well_spaced` takes the first
-        places = [place for place, _ in known[::-1]]
-        log_radii = [np.array(log_radius) for _, log_radius in known[::-1]]
-        chosen = well_spaced(places, target)
-        if len(chosen) < 2:
-            return None
-        guess = value_at(target, [places[i] for i in chosen], [log_radii[i] for i in chosen])
-        return math.exp(float(guess))
+        return (*names, "slip") if "slip" in quantities else names

@@ -42,13 +42,15 @@ from spectral_contact.solving.planning import plan
 from spectral_contact.solving.solver import solve
 from spectral_contact.threads import one_thread
 
-#: Points of a cycle: at least, and at most.
-_FEWEST, _MOST = 2, 100_000
-#: One of so many points of a cycle is on the unstable part, at radii below that of pull-off.
-_UNSTABLE = 4
-#: Radius at which that part ends, over the radius of pull-off. Under a profile with a flat part
-#: there is none, and radii are graded to the rim: down to the square of this share of the largest
-#: distance from it.
+#: Least number of points of a cycle.
+_FEWEST_POINTS = 2
+#: Largest number of points of a cycle.
+_MOST_POINTS = 100_000
+#: One of this many points of a cycle is on the unstable part, at radii below that of pull-off.
+_POINTS_PER_UNSTABLE = 4
+#: Radius at which the unstable part ends, over the radius of pull-off. Under a profile with a flat
+#: part there is no such part. Radii are then graded to the rim, and the least distance from it is
+#: the largest one times the square of this number.
 _UNSTABLE_END = 0.02
 #: Tolerances of a cycle, which has no fields.
 _TOLERANCES = "in [1e-12, 1e-2]"
@@ -105,7 +107,7 @@ def pull_off(
     >>> print(f"{last.load / (3.141592653589793 * 0.1):.6f}")
     -1.500000
     """
-    held = _held(scene, control, machine_stiffness)
+    held = _control_held(scene, control, machine_stiffness)
     names = plan(scene, quantities).quantities
     rtol = checked_tolerance(rtol, names)
     max_unknowns = whole("max_unknowns", max_unknowns, 1)
@@ -120,15 +122,16 @@ def pull_off(
             return solve(_flat_at_pull_off(scene, control, rtol, max_unknowns), **options)
         curve = curve_of(scene, rtol, max_unknowns)
         _, fold = _ends(held, _folds(scene, curve, held))[-1]
-        found = _with_errors(solve(_at_radius(scene, fold.radius), **options), curve, fold)
-    of_held = getattr(found.error, control)
-    if of_held is None or of_held <= rtol:
-        return found
-    found = replace(found, converged=False)
+        solution = _with_errors(solve(_at_radius(scene, fold.radius), **options), curve, fold)
+    control_error = getattr(solution.error, control)
+    if control_error is None or control_error <= rtol:
+        return solution
+    solution = replace(solution, converged=False)
     if strict:
-        cause = f"the error estimate {of_held:.1e} of the {control} does not meet rtol = {rtol:.1e}"
-        raise ConvergenceError(cause, "Loosen rtol, or use strict=False.", found)
-    return found
+        estimate = f"the error estimate {control_error:.1e} of the {control}"
+        cause = f"{estimate} does not meet rtol = {rtol:.1e}"
+        raise ConvergenceError(cause, "Loosen rtol, or use strict=False.", solution)
+    return solution
 
 
 @suggesting()
@@ -171,44 +174,47 @@ def adhesion_cycle(
     SceneError, NotComputedError
         As `pull_off`.
     """
-    held = _held(scene, control, machine_stiffness)
-    points = whole("points", points, _FEWEST)
+    held = _control_held(scene, control, machine_stiffness)
+    points = whole("points", points, _FEWEST_POINTS)
     rtol = within("rtol", rtol, _TOLERANCES)
     max_unknowns = whole("max_unknowns", max_unknowns, 1)
-    if points > _MOST:
-        raise SceneError("points", points, f"at most {_MOST}")
+    if points > _MOST_POINTS:
+        raise SceneError("points", points, f"at most {_MOST_POINTS}")
     if isinstance(scene.profile, Flat):
-        told = "not flat: the cycle of a flat punch is a straight line, which ends at pull_off"
-        raise SceneError("profile", scene.profile, told)
+        allowed = "not flat: the cycle of a flat punch is a straight line, which ends at pull_off"
+        raise SceneError("profile", scene.profile, allowed)
     with one_thread():
         curve = curve_of(scene, rtol, max_unknowns)
         folds = _folds(scene, curve, held)
         ends = _ends(held, folds)
-        landed = _first_contact(scene, curve, held)
-        radii = _radii(scene, curve, ends, landed, points)
+        first_state = _first_contact(scene, curve, held)
+        radii = _radii(scene, curve, ends, first_state, points)
         states = curve.states(radii)
-        stable = [sum(one.radius > a for one in folds) % 2 == 0 for a in radii]
-        jump_out, lost = _jumps_out(curve, held, ends)
-    # what jumps dissipate: the energy before less that after, which is 0 without contact; states
-    # after and before jumps alternate
-    energies = [_energy(held, one, curve.adhesion) for one in (landed, *lost)]
+        stable = [sum(state.radius > a for state in folds) % 2 == 0 for a in radii]
+        jump_out, jump_states = _jumps_out(curve, held, ends)
+    # Jumps dissipate the energy before less that after, which is 0 without contact. In this list
+    # the states are those after a jump and before the next one, by turns.
+    energies = [_energy(held, state, curve.adhesion) for state in (first_state, *jump_states)]
     dissipated = sum(energies[1::2]) - sum(energies[::2])
-    dissipation_error = sum(_energy_error(held, one, curve) for one in (landed, *lost))
-    unknown = max(map(curve.profile._relative_error, radii))
-    bounded = held.of_approach > 0.0
+    dissipation_error = sum(
+        _energy_error(held, state, curve) for state in (first_state, *jump_states)
+    )
+    profile_error = max(map(curve.profile._relative_error, radii))
+    controls_approach = held.of_approach > 0.0
+    # with control of the load the energy is not given: it falls without bound after the last jump
     return AdhesionCycle(
         scene,
         control,
         None if machine_stiffness is None else 1.0 / held.of_load,
         np.array(radii),
-        np.array([one.approach for one in states]),
-        np.array([one.load for one in states]),
+        np.array([state.approach for state in states]),
+        np.array([state.load for state in states]),
         np.array(stable),
-        max(max(one.load_error, one.approach_error) for one in states) + unknown,
-        (_NO_CONTACT, _state(landed)),
+        max(max(state.load_error, state.approach_error) for state in states) + profile_error,
+        (_NO_CONTACT, _cycle_state(first_state)),
         jump_out,
-        dissipated if bounded else None,
-        dissipation_error if bounded else None,
+        dissipated if controls_approach else None,
+        dissipation_error if controls_approach else None,
     )
 
 
@@ -216,8 +222,8 @@ def adhesion_cycle(
 _NO_CONTACT = CycleState(0.0, 0.0, 0.0)
 
 
-def _held(scene: Scene, control: str, machine_stiffness: float | None) -> Control:
-    """Return what is held; refuse a scene without adhesion."""
+def _control_held(scene: Scene, control: str, machine_stiffness: float | None) -> Control:
+    """Return the control by its name and the machine; refuse a scene without adhesion."""
     if instance("scene", scene, Scene).work_of_adhesion is None:
         raise SceneError("scene", scene, "one with a work_of_adhesion")
     one_of("control", control, CONTROLS_HELD)
@@ -226,8 +232,8 @@ def _held(scene: Scene, control: str, machine_stiffness: float | None) -> Contro
     unit = "" if scene.physical is None else "N/m"
     stiffness = positive("machine_stiffness", machine_stiffness, unit)
     if control == "load":
-        told = "None under control of the load, to which a machine adds nothing"
-        raise SceneError("machine_stiffness", machine_stiffness, told)
+        allowed = "None under control of the load, to which a machine adds nothing"
+        raise SceneError("machine_stiffness", machine_stiffness, allowed)
     stiffness /= _modulus(scene)
     if not 1.0 / sys.float_info.max <= stiffness < inf:
         raise SceneError("machine_stiffness", machine_stiffness, "in [1e-308, 1e308], in E'L")
@@ -241,7 +247,7 @@ def _modulus(scene: Scene) -> float:
 
 
 def _flat_at_pull_off(scene: Scene, control: str, rtol: float, max_unknowns: int) -> Scene:
-    """Return the scene of a flat punch at pull-off, which no machine moves."""
+    """Return the scene of a flat punch at pull-off, which does not depend on a machine."""
     contact = pinned_of(scene, rtol, max_unknowns, pointwise=False)
     if control == "approach":
         return _changed(scene, "approach", contact.pull_off_approach)
@@ -249,16 +255,19 @@ def _flat_at_pull_off(scene: Scene, control: str, rtol: float, max_unknowns: int
 
 
 def _at_radius(scene: Scene, radius: float) -> Scene:
-    """Return the scene at the radius of pull-off, which follows from the work of adhesion."""
+    """Return the scene at the contact radius of pull-off.
+
+    The radius follows from the work of adhesion, which an error names.
+    """
     try:
         return _changed(scene, "contact_radius", radius)
     except SceneError as refused:
-        told = f"such that the contact_radius of pull-off, {radius:.3g}, is {refused.allowed}"
-        raise SceneError("work_of_adhesion", scene.work_of_adhesion, told) from None
+        allowed = f"such that the contact_radius of pull-off, {radius:.3g}, is {refused.allowed}"
+        raise SceneError("work_of_adhesion", scene.work_of_adhesion, allowed) from None
 
 
 def _changed(scene: Scene, name: str, value: float) -> Scene:
-    """Return a scene of which one thing is given in place of another."""
+    """Return a scene in which one control, such as the load, is given in place of another."""
     return scene.replace(**{**dict.fromkeys(CONTROLS), "branch": 0, name: value})
 
 
@@ -273,13 +282,13 @@ def _folds(scene: Scene, curve: AdhesiveCurve, held: Control) -> list[Fold]:
         If the contact shrinks to a point.
     """
     try:
-        found = list(curve.folds(held))
+        folds = list(curve.folds(held))
     except NoState:
         refuse_reach(scene, "work_of_adhesion")
-    if not found:
-        told = "the contact shrinks to a point before it comes off"
-        raise NotComputedError("pull_off", told)
-    return found
+    if not folds:
+        reason = "the contact shrinks to a point before it comes off"
+        raise NotComputedError("pull_off", reason)
+    return folds
 
 
 def _ends(held: Control, folds: list[Fold]) -> list[tuple[int, Fold]]:
@@ -289,35 +298,35 @@ def _ends(held: Control, folds: list[Fold]) -> list[tuple[int, Fold]]:
     stable stretch, of smaller contacts, whose fold has a lower load, or approach, than this one; at
     the last one it comes off.
     """
-    found: list[tuple[int, Fold]] = []
+    ends: list[tuple[int, Fold]] = []
     for number, fold in enumerate(folds):
-        lower = not found or held.value(fold.state) < held.value(found[-1][1].state)
+        lower = not ends or held.value(fold.state) < held.value(ends[-1][1].state)
         if number % 2 == 0 and lower:
-            found.append((number, fold))
-    return found
+            ends.append((number, fold))
+    return ends
 
 
-def _with_errors(found: Solution, curve: AdhesiveCurve, fold: Fold) -> Solution:
-    """Return the solution at a fold with what its radius is uncertain by."""
+def _with_errors(solution: Solution, curve: AdhesiveCurve, fold: Fold) -> Solution:
+    """Return the solution at a fold with the errors by that of its radius."""
     if fold.curve is None:
-        return found
-    more: dict[str, float] = {"contact_radius": fold.error}
+        return solution
+    errors: dict[str, float] = {"contact_radius": fold.error}
     rates = curve.rates(fold.state)
-    added = radius_effects(fold.state, rates, fold.error)
+    effects = radius_effects(fold.state, rates, fold.error)
     # the work grows by P ddelta along the curve
-    work = abs(fold.state.load * rates.approach) / found.error_scales["indentation_work"]
-    added["indentation_work"] = work * fold.error
-    for name, change in added.items():
-        estimate = getattr(found.error, name)
+    work = abs(fold.state.load * rates.approach) / solution.error_scales["indentation_work"]
+    effects["indentation_work"] = work * fold.error
+    for name, change in effects.items():
+        estimate = getattr(solution.error, name)
         if estimate is not None:
-            more[name] = estimate + change
-    return replace(found, error=replace(found.error, **more))
+            errors[name] = estimate + change
+    return replace(solution, error=replace(solution.error, **errors))
 
 
 def _first_contact(scene: Scene, curve: AdhesiveCurve, held: Control) -> Indentation:
-    """Return the state after the jump into contact, at which what is held is 0.
+    """Return the state after the jump into contact, at a load or approach of 0.
 
-    It is on the stretch of the largest contacts.
+    It is on the stable stretch of the largest contacts.
     """
     try:
         return value_of(curve.find(held, 0.0, 0, pointwise=False)[0])
@@ -329,22 +338,30 @@ def _radii(
     scene: Scene,
     curve: AdhesiveCurve,
     ends: list[tuple[int, Fold]],
-    landed: Indentation,
+    first_state: Indentation,
     points: int,
 ) -> list[float]:
     """Return the radii of the points, from large contacts to small ones."""
-    asked = solve(scene, curve.tolerance, ("contact_radius",), max_unknowns=curve.max_unknowns)
-    largest, at_pull_off = max(asked.contact_radius, landed.radius), ends[-1][1].radius
+    given_state = solve(
+        scene, curve.tolerance, ("contact_radius",), max_unknowns=curve.max_unknowns
+    )
+    largest = max(given_state.contact_radius, first_state.radius)
+    at_pull_off = ends[-1][1].radius
     flat = curve.profile.flat_part
     if flat > 0.0:
-        # to the rim of the flat part, where contact ends
-        past = np.geomspace(
+        # radii down to the rim of the flat part, where contact ends
+        beyond_rim = np.geomspace(
             largest - flat, _UNSTABLE_END * _UNSTABLE_END * (largest - flat), points - 1
         )
-        return [*(flat + past).tolist(), flat]
-    few = points // _UNSTABLE
-    stable = np.geomspace(largest, at_pull_off, points - few, endpoint=not few)
-    return [*stable.tolist(), *np.geomspace(at_pull_off, _UNSTABLE_END * at_pull_off, few).tolist()]
+        return [*(flat + beyond_rim).tolist(), flat]
+    unstable_count = points // _POINTS_PER_UNSTABLE
+    stable = np.geomspace(
+        largest, at_pull_off, points - unstable_count, endpoint=not unstable_count
+    )
+    return [
+        *stable.tolist(),
+        *np.geomspace(at_pull_off, _UNSTABLE_END * at_pull_off, unstable_count).tolist(),
+    ]
 
 
 def _jumps_out(
@@ -357,31 +374,31 @@ def _jumps_out(
         if k + 1 < len(ends):
             landing, _ = curve.find(held, held.value(fold.state), ends[k + 1][0], pointwise=False)
             states.append(value_of(landing))
-    shown = [_state(one) for one in states]
+    jumps = [_cycle_state(state) for state in states]
     if held.of_approach > 0.0:
-        shown.append(CycleState(0.0, held.value(states[-1]), 0.0))
-    return tuple(shown), states
+        jumps.append(CycleState(0.0, held.value(states[-1]), 0.0))
+    return tuple(jumps), states
 
 
-def _state(one: Indentation) -> CycleState:
-    return CycleState(one.radius, one.approach, one.load)
+def _cycle_state(state: Indentation) -> CycleState:
+    return CycleState(state.radius, state.approach, state.load)
 
 
-def _energy(held: Control, one: Indentation, adhesion: float) -> float:
+def _energy(held: Control, state: Indentation, adhesion: float) -> float:
     """Return the energy of contact, surfaces and machine, which a jump lowers.
 
     It is for control of the approach, through a machine of stiffness ``1/held.of_load``, if any.
     """
-    return with_surface_energy(one, adhesion).work + held.of_load * one.load**2 / 2.0
+    return with_surface_energy(state, adhesion).work + held.of_load * state.load**2 / 2.0
 
 
-def _energy_error(held: Control, one: Indentation, curve: AdhesiveCurve) -> float:
+def _energy_error(held: Control, state: Indentation, curve: AdhesiveCurve) -> float:
     """Return the absolute error of `_energy`.
 
     Elastic and surface energy, of which it is the difference, are rounded, and have the error of
     the profile.
     """
-    surface = pi * curve.adhesion * one.radius**2
-    unknown = ROUNDING + curve.profile._relative_error(one.radius)
-    spring = held.of_load * abs(one.load) * one.load_size * (one.load_error + unknown)
-    return one.work * one.work_error + unknown * (one.work + surface) + spring
+    surface = pi * curve.adhesion * state.radius**2
+    relative_error = ROUNDING + curve.profile._relative_error(state.radius)
+    spring = held.of_load * abs(state.load) * state.load_size * (state.load_error + relative_error)
+    return state.work * state.work_error + relative_error * (state.work + surface) + spring

@@ -89,7 +89,8 @@ class Run:
     unknowns_exceeded : bool
         Whether a step needed more than `max_unknowns`.
     wrong_slip : float
-        As of `PartialSlip`.
+        The largest displacement in slip that has the direction of the traction, against the
+        friction law, relative to the largest displacement.
     normal_key : tuple
         All that the normal contact depends on.
     """
@@ -156,20 +157,20 @@ class Run:
             self.history,
         )
 
-    def _scale_to_load(self, load: float) -> None:
-        """Multiply what was found for unit load by a load ratio; the contact radius is fixed."""
+    def _scale_to_load(self, load_ratio: float) -> None:
+        """Multiply results for unit load by a load ratio; the contact radius does not change."""
         for name in FOLLOWING_LOAD:
             if name in self.values:
-                self.values[name] *= load
-            elif name in FIELDS and (found := getattr(self, name)) is not None:
-                setattr(self, name, found.times(load))
+                self.values[name] *= load_ratio
+            elif name in FIELDS and (field := getattr(self, name)) is not None:
+                setattr(self, name, field.times(load_ratio))
 
     def _ending(self) -> Ending:
         """Return the worst ending of a step, unless all is within the tolerance."""
         if self.unknowns_exceeded:
             self.endings.append(Ending.UNKNOWNS)
-        within = all(error <= self.rtol for error in self.bounded_errors())
-        if within and not self.unknowns_exceeded and Ending.ZONES not in self.endings:
+        within_rtol = all(error <= self.rtol for error in self.bounded_errors())
+        if within_rtol and not self.unknowns_exceeded and Ending.ZONES not in self.endings:
             return Ending.CONVERGED
         endings = [ending for ending in self.endings if ending is not Ending.CONVERGED]
         return max(endings, key=list(Ending).index, default=Ending.ROUNDING)
@@ -181,8 +182,8 @@ class Run:
         That matters if the slip is wanted, or if it seems to violate the friction law by more than
         the tolerance: this violation may be noise, or show a missing zone.
         """
-        unknown = self.errors.get("slip") == math.inf
-        return unknown and ("slip" in self.plan.quantities or self.wrong_slip > self.rtol)
+        no_digit = self.errors.get("slip") == math.inf
+        return no_digit and ("slip" in self.plan.quantities or self.wrong_slip > self.rtol)
 
     def run_steps(self, states: dict[str, StepState]) -> None:
         """Run the steps of these states."""
@@ -244,10 +245,11 @@ class Run:
     def pressure_tolerance(self) -> float:
         """The tolerance of a pressure that loads the tangential problem.
 
-        It is tighter than that problem's, unless that is near the rounding of fields.
+        It is a fraction of `tangential_tolerance`, but not below some roundings of fields, nor
+        above that tolerance.
         """
-        least = min(self.tangential_tolerance, 3.0 * FIELD_ROUNDING)
-        return max(self.tangential_tolerance * NEGLIGIBLE_FRACTION, least)
+        lowest = min(self.tangential_tolerance, 3.0 * FIELD_ROUNDING)
+        return max(self.tangential_tolerance * NEGLIGIBLE_FRACTION, lowest)
 
     @property
     def tangential_tolerance(self) -> float:
@@ -309,9 +311,9 @@ class Run:
         if scene.kappa == 0.0:
             self._no_load_ratios("nothing slips")
             self.store_all_stick()
-            none = dict.fromkeys(FULL_STICK_RATIOS, 0.0)
-            self.values.update(none, total_shear=0.0)
-            self.errors.update(exact | none)
+            zero_ratios = dict.fromkeys(FULL_STICK_RATIOS, 0.0)
+            self.values.update(zero_ratios, total_shear=0.0)
+            self.errors.update(exact | zero_ratios)
             return
         if friction == math.inf:
             self._no_load_ratios("nothing slips")
@@ -343,8 +345,8 @@ class Run:
         for name in UNLOADED_QUANTITIES:
             if name in self.plan.quantities:
                 self.unavailable[name] = reason
-        told = f"{reason}; what is proportional to the load is multiplied by the load ratio"
-        self.skip(told, UNLOADING, LOAD_RATIOS)
+        message = f"{reason}; what is proportional to the load is multiplied by the load ratio"
+        self.skip(message, UNLOADING, LOAD_RATIOS)
 
     def _frictionless_slip(self, contact: NormalContact) -> None:
         """Store the slip at friction 0, the displacement by the pressure: ``u = -kappa g``."""
@@ -376,12 +378,12 @@ class Run:
         critical one, which is the largest ratio.
         """
         begin = perf_counter()
-        asked = set(self.plan.quantities)
-        ratios = bool(asked & FULL_STICK_RATIOS)
-        pointwise = ratios or "traction" in asked
+        quantities = set(self.plan.quantities)
+        ratios = bool(quantities & FULL_STICK_RATIOS)
+        pointwise = ratios or "traction" in quantities
         if self.scene.friction != math.inf:
             ratios = True
-            pointwise |= bool(asked & {"slip", "zones", "stick_radius"})
+            pointwise |= bool(quantities & {"slip", "zones", "stick_radius"})
         key = *self.normal_key, self.parameters._replace(friction=math.inf), pointwise, ratios
         solved = self.cache.get(
             FULL_STICK,

@@ -1,4 +1,4 @@
-"""What scenes solved one after another share: outcomes of steps, and zones to start from."""
+"""Results shared by scenes solved one after another: outcomes of steps, and starting points."""
 
 from __future__ import annotations
 
@@ -18,6 +18,11 @@ if TYPE_CHECKING:
 #: A scene counts as on a line if its distance from the line is at most this fraction of its
 #: distance from the latest scene.
 _COLLINEARITY = float(np.sqrt(np.finfo(float).eps))
+#: A contact radius is predicted from at most this many earlier scenes.
+_RADIUS_POINTS = 5
+#: Only those scenes count whose load (or approach) differs from that of the next one by less than
+#: this in its logarithm.
+_RADIUS_RANGE = 1.0
 
 _T = TypeVar("_T")
 LogParameters: TypeAlias = tuple[float, ...]
@@ -94,17 +99,17 @@ class ZonePath:
             return None
         last, layout = self._scenes[-1]
         step = _difference(last, target)
-        longest = max(step, key=abs)
-        if longest == 0.0:
+        largest_step = max(step, key=abs)
+        if largest_step == 0.0:
             return layout
-        if not abs(longest) <= 1.0:  # a factor of e
+        if not abs(largest_step) <= 1.0:  # a factor of e
             return None
         times, layouts = self._collinear_scenes(step)
-        predicted = value_at(1.0, times, [np.array(one.logits) for one in layouts])
+        predicted = value_at(1.0, times, [np.array(near.logits) for near in layouts])
         if not (np.diff(predicted) > 0.0).all():  # boundaries would cross
             return layout
         # those of the boundary residual by the logits (`Layout.jacobian`), at the latest two scenes
-        jacobians = [one.jacobian for one in layouts[:2] if one.jacobian is not None]
+        jacobians = [near.jacobian for near in layouts[:2] if near.jacobian is not None]
         if len(jacobians) == 2:
             layout = layout._replace(jacobian=value_at(1.0, times[:2], jacobians))
         return layout._replace(logits=tuple(predicted.tolist()))
@@ -116,19 +121,21 @@ class ZonePath:
         close to each other are left out (`well_spaced`).
         """
         last, layout = self._scenes[-1]
-        longest = max(step, key=abs)
+        largest_step = max(step, key=abs)
         times = [0.0]
         layouts = [layout]
-        for parameters, earlier in reversed(self._scenes[:-1]):
-            back = _difference(last, parameters)
-            if not all(map(math.isfinite, back)):  # a parameter is 0 in only one of the two scenes
+        for parameters, earlier_layout in reversed(self._scenes[:-1]):
+            difference = _difference(last, parameters)
+            if not all(
+                map(math.isfinite, difference)
+            ):  # a parameter is 0 in only one of the two scenes
                 break
-            time = back[step.index(longest)] / longest
-            off_line = max(abs(b - time * a) for a, b in zip(step, back, strict=True))
-            if off_line > _COLLINEARITY * max(map(abs, back)) or time >= times[-1]:
+            time = difference[step.index(largest_step)] / largest_step
+            off_line = max(abs(b - time * a) for a, b in zip(step, difference, strict=True))
+            if off_line > _COLLINEARITY * max(map(abs, difference)) or time >= times[-1]:
                 break
             times.append(time)
-            layouts.append(earlier)
+            layouts.append(earlier_layout)
         chosen = well_spaced(times, 1.0)
         return [times[i] for i in chosen], [layouts[i] for i in chosen]
 
@@ -194,6 +201,35 @@ class StickPath:
         if not (np.diff(predicted) > 0.0).all():  # boundaries would cross
             return nearest
         return nearest._replace(logits=tuple(predicted.tolist()))
+
+
+class RadiusPath:
+    """Loads or approaches of the latest scenes, and a prediction of the contact radius.
+
+    The logarithm of the radius is extrapolated as a polynomial in that of the load or approach.
+    """
+
+    def __init__(self) -> None:
+        self._log_pairs: list[tuple[float, float]] = []
+
+    def add(self, value: float, radius: float) -> None:
+        """Keep the contact radius at a load or approach."""
+        self._log_pairs = [*self._log_pairs, (math.log(value), math.log(radius))][-_RADIUS_POINTS:]
+
+    def predict(self, value: float) -> float | None:
+        """Return a guess of the radius; None with fewer than two scenes that count."""
+        log_value = math.log(value)
+        # the latest first: of several scenes at one value `well_spaced` takes the first
+        log_pairs = [
+            pair for pair in self._log_pairs[::-1] if 0.0 < abs(pair[0] - log_value) < _RADIUS_RANGE
+        ]
+        log_values = [pair[0] for pair in log_pairs]
+        log_radii = [np.array(pair[1]) for pair in log_pairs]
+        chosen = well_spaced(log_values, log_value)
+        if len(chosen) < 2:
+            return None
+        guess = value_at(log_value, [log_values[i] for i in chosen], [log_radii[i] for i in chosen])
+        return math.exp(float(guess))
 
 
 def _difference(start: LogParameters, end: LogParameters) -> LogParameters:

@@ -51,22 +51,27 @@ def kappa_slope(scene: Scene) -> float:
     return -0.25 / (1.0 - scene.poisson_ratio) ** 2
 
 
-def _state(own: Solution, zone: Zone) -> int:
+def _state(solution: Solution, zone: Zone) -> int:
     """Return 0 for stick, and the sign of the traction in slip."""
     middle = (zone.inner_from_edge + zone.outer_from_edge) / 2.0
-    return 0 if zone.kind == "stick" else int(math.copysign(1.0, own.traction(from_edge=middle)))
+    return (
+        0 if zone.kind == "stick" else int(math.copysign(1.0, solution.traction(from_edge=middle)))
+    )
 
 
-def _of_smooth_surface(quantity: str, stick_radius: Radius, own: Solution) -> float:
+def _smooth_surface_derivative(quantity: str, stick_radius: Radius, solution: Solution) -> float:
     """Return the derivative by ``f/kappa`` on a smooth surface, in closed form.
 
     The quantity is the stick radius c or ``Q/kappa``; K' and E' are complete elliptic integrals of
     the parameter ``1 - c**2``:
     ``f/kappa = ln((1+c)/(1-c)) / (c K')`` and ``Q/kappa = (f/kappa) E' + ln(1-c**2)``.
     """
-    c, z, y = stick_radius.value, stick_radius.square, stick_radius.rest
-    ratio = (own.scene.friction or 0.0) / own.scene.kappa
-    elliptic_k, elliptic_e = float(ellipkm1(z)), float(ellipe(y))
+    c = stick_radius.value
+    z = stick_radius.square
+    y = stick_radius.rest
+    ratio = (solution.scene.friction or 0.0) / solution.scene.kappa
+    elliptic_k = float(ellipkm1(z))
+    elliptic_e = float(ellipe(y))
     log = 2.0 * math.atanh(c) if c < 0.5 else math.log((1.0 + c) ** 2 / y)
     log_slope = 2.0 / (y * log) - 1.0 / c + (elliptic_e - z * elliptic_k) / (c * y * elliptic_k)
     by_ratio = 1.0 / (ratio * log_slope)
@@ -83,25 +88,30 @@ class SolutionSlopes:
     """
 
     def __init__(
-        self, own: Solution, tolerance: float, largest: SolutionSlopes | None = None
+        self, solution: Solution, tolerance: float, largest: SolutionSlopes | None = None
     ) -> None:
-        self.own, self.scene, self.tolerance = own, own.scene, tolerance
+        self.solution = solution
+        self.scene = solution.scene
+        self.tolerance = tolerance
         self.largest = largest
-        zones = own.zones if self.scene.friction is not None and self.scene.kappa else ()
+        zones = solution.zones if self.scene.friction is not None and self.scene.kappa else ()
         self.inner = [Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1]]
-        self.states = tuple(_state(own, zone) for zone in zones)
+        self.states = tuple(_state(solution, zone) for zone in zones)
         #: whether friction changes the pressure: there is elastic coupling, and there are zones
         self.couples = self.scene.coupling and bool(zones)
         #: whether everything slips, but for a stick disk that is too small to be solved for
         self.slips = any(self.states) and not self.inner
-        self.moving = [name for name in PARAMETERS[:2] if getattr(self.scene, name) > 0.0]
+        self.active_parameters = [
+            name for name in PARAMETERS[:2] if getattr(self.scene, name) > 0.0
+        ]
         if any(self.states):
-            self.moving.append("friction")
+            self.active_parameters.append("friction")
         if self.couples:
-            self.moving.append("poisson_ratio")
+            self.active_parameters.append("poisson_ratio")
         if self.scene.unloaded_to < 1.0 and any(self.states):
-            self.moving.append(LOAD_RATIO)
+            self.active_parameters.append(LOAD_RATIO)
         compliances = self.scene.normal_compliance, self.scene.tangential_compliance
+        #: whether there is one stick disk on a smooth surface, where derivatives have closed forms
         self.smooth = bool(self.inner) and not any(compliances) and not self.couples
 
     @cached_property
@@ -120,7 +130,7 @@ class SolutionSlopes:
 
     @cached_property
     def zones(self) -> ZoneDerivatives:
-        """The derivatives by all parameters in `moving`.
+        """The derivatives by all parameters in `active_parameters`.
 
         Where everything slips they exist only with coupling.
         """
@@ -132,23 +142,23 @@ class SolutionSlopes:
         friction = scene.friction if scene.friction is not None else math.inf
         compliances = scene.normal_compliance, scene.tangential_compliance
         parameters = Parameters(*compliances, scene.kappa, friction)
-        layout = Layout(tuple(one.logit for one in self.inner), self.states)
+        layout = Layout(tuple(radius.logit for radius in self.inner), self.states)
         if self.slips:
             parameters, layout = full_slip_problem(parameters)
         elif not self.couples:
-            known = [one for one in self.normal if one is not None]
+            known = [contact for contact in self.normal if contact is not None]
             parameters = Parameters(*compliances, 1.0, friction / scene.kappa)
-        names = [_COLUMNS[name] for name in self.moving]
-        given = parameters, layout, names, self.tolerance, known
+        names = [_COLUMNS[name] for name in self.active_parameters]
+        system = parameters, layout, names, self.tolerance, known
         if self.largest is None:
-            return differentiated(*given, slip=slip)
-        kept_slip = self.largest.own.slip_field
+            return differentiated(*system, slip=slip)
+        kept_slip = self.largest.solution.slip_field
         assert isinstance(kept_slip, ZonalField)
         fields = *self.largest._differentiated(slip=True).slip, kept_slip.times(1.0 / scene.kappa)
         factor = 1.0 / scene.unloaded_to
-        displacements = [KnownDisplacement(one, factor, 0.0) for one in fields]
+        displacements = [KnownDisplacement(field, factor, 0.0) for field in fields]
         displaced_by = dict(zip(names, displacements, strict=True))
-        return differentiated(*given, displacements[-1], displaced_by)
+        return differentiated(*system, displacements[-1], displaced_by)
 
     def scalar(self, quantity: str, name: str, boundary: int = 0) -> float:
         """Return the derivative of a scalar by a parameter.
@@ -156,35 +166,42 @@ class SolutionSlopes:
         NaN if the error of the zones is too large. For the quantity ``stick_radius``, `boundary` is
         the number of the boundary, counted from the centre.
         """
-        if self.inner and (self.own.error.zones or 0.0) > _MAX_ZONE_ERROR:
+        if self.inner and (self.solution.error.zones or 0.0) > _MAX_ZONE_ERROR:
             return math.nan
-        scene, kappa = self.scene, self.scene.kappa
+        scene = self.scene
+        kappa = self.scene.kappa
         kappa_rate = kappa_slope(scene)
         if name == LOAD_RATIO:
-            # In units of the load the displacement that is kept goes like one over the load, so by
-            # the logarithm of the load ratio the derivative is minus that by LOG_DISPLACEMENT. To
-            # the shear comes the load, which is a factor of it: `explicit_part` is the whole
-            # derivative by that logarithm here.
-            by_zones = self._of_system(quantity, name, boundary) if any(self.states) else 0.0
+            # In units of the load the displacement in slip, which the state keeps from the largest
+            # load, is in proportion to one over the load. So the derivative by the logarithm of the
+            # load ratio is minus that by LOG_DISPLACEMENT. The shear has the load as a factor, too:
+            # `explicit_part` is the whole derivative by that logarithm here.
+            by_zones = (
+                self._system_derivative(quantity, name, boundary) if any(self.states) else 0.0
+            )
             explicit_part = (
-                self.own.total_shear - kappa * by_zones if quantity == "total_shear" else -by_zones
+                self.solution.total_shear - kappa * by_zones
+                if quantity == "total_shear"
+                else -by_zones
             )
             return explicit_part / scene.unloaded_to
         if self.couples:
             column, factor = self._column(name)
-            return factor * self._of_system(quantity, column, boundary)
+            return factor * self._system_derivative(quantity, column, boundary)
         if name == "poisson_ratio":
-            # Zones are functions of f/kappa, whose derivative by kappa is -(f/kappa)/kappa. Shear
-            # is kappa times such a function: `explicit_part`, its derivative by that factor, is the
-            # function itself.
+            # Zones are functions of f/kappa, whose derivative by kappa is -(f/kappa)/kappa. The
+            # shear is kappa times a function of f/kappa: `explicit_part`, the derivative by the
+            # factor kappa, is the function itself.
             ratio = scene.friction / kappa if self.inner and scene.friction else 0.0
-            by_zones = ratio * self._of_system(quantity, "friction", boundary) if ratio else 0.0
-            explicit_part = self.own.total_shear / kappa if quantity == "total_shear" else 0.0
+            by_zones = (
+                ratio * self._system_derivative(quantity, "friction", boundary) if ratio else 0.0
+            )
+            explicit_part = self.solution.total_shear / kappa if quantity == "total_shear" else 0.0
             scale = 1.0 if quantity == "total_shear" else 1.0 / kappa
             return kappa_rate * (explicit_part - by_zones) * scale + 0.0
         factor = kappa if quantity == "total_shear" else 1.0
-        of_system = self._of_system(quantity, name, boundary)
-        return factor * of_system / (kappa if name == "friction" else 1.0)
+        derivative = self._system_derivative(quantity, name, boundary)
+        return factor * derivative / (kappa if name == "friction" else 1.0)
 
     def _column(self, name: str) -> tuple[str, float]:
         """Return the column of the system with coupling, and the factor of its derivatives.
@@ -199,11 +216,14 @@ class SolutionSlopes:
             return "friction", kappa_rate * (self.scene.friction or 0.0) / self.scene.kappa
         return name, kappa_rate
 
-    def _of_system(self, quantity: str, name: str, boundary: int) -> float:
-        """Return the derivative of a number by a parameter of the system."""
+    def _system_derivative(self, quantity: str, name: str, boundary: int) -> float:
+        """Return the derivative of a scalar by a parameter of the system, as named in `_COLUMNS`.
+
+        On a smooth surface it is that by ``f/kappa``, the only parameter there.
+        """
         if self.smooth:
-            return _of_smooth_surface(quantity, self.inner[0], self.own)
-        i = self.moving.index(name)
+            return _smooth_surface_derivative(quantity, self.inner[0], self.solution)
+        i = self.active_parameters.index(name)
         if quantity == "stick_radius":
             c = self.inner[boundary]
             return 0.5 * c.value * c.rest * float(self.zones.logits[boundary, i])
@@ -214,12 +234,12 @@ class SolutionSlopes:
     def noise(self, name: str, boundary: int) -> float:
         """Return the relative error by rounding of the derivative of a boundary."""
         column = "friction" if name == "poisson_ratio" and not self.couples else name
-        i = self.moving.index(column)
+        i = self.active_parameters.index(column)
         size = abs(float(self.zones.logits[boundary, i]))
         return float(self.zones.noise[boundary, i]) / size if size else 0.0
 
     def field(self, quantity: str, name: str, s: Array, from_edge: Array) -> Array:
-        """Return the derivative of a field at some places."""
+        """Return the derivative of a field at radii ``s``, given with their distances ``1 - s``."""
         if quantity == "traction":
             return self._traction(name, s, from_edge)
         return self._pressure(name, s, from_edge)
@@ -227,10 +247,10 @@ class SolutionSlopes:
     def _pressure(self, name: str, s: Array, from_edge: Array) -> Array:
         if self.couples:
             column, factor = self._column(name)
-            return factor * self.zones.pressure[self.moving.index(column)](s, from_edge)
+            return factor * self.zones.pressure[self.active_parameters.index(column)](s, from_edge)
         load = self.scene.unloaded_to
         if name == LOAD_RATIO:
-            return np.asarray(self.own.pressure(from_edge=from_edge) / load)
+            return np.asarray(self.solution.pressure(from_edge=from_edge) / load)
         change = self.normal[1]
         if name != "normal_compliance" or change is None:
             return np.zeros(s.shape)
@@ -238,35 +258,37 @@ class SolutionSlopes:
 
     def _traction_in_stick(self, name: str, s: Array, from_edge: Array) -> Array:
         """Return the derivative of the traction in stick, as the system has it; 0 in slip."""
-        traction = self.zones.traction[self.moving.index(name)]
+        traction = self.zones.traction[self.active_parameters.index(name)]
         return np.asarray(self.scene.unloaded_to * traction(s, from_edge))
 
     def _traction(self, name: str, s: Array, from_edge: Array) -> Array:
-        scene, kappa, own = self.scene, self.scene.kappa, self.own
+        scene = self.scene
+        kappa = self.scene.kappa
+        solution = self.solution
         kappa_rate = kappa_slope(scene)
         if name == LOAD_RATIO:
             by_zones = self._traction_in_stick(name, s, from_edge) if self.inner else 0.0
-            q = own.traction(from_edge=from_edge)
+            q = solution.traction(from_edge=from_edge)
             return np.asarray((q - kappa * by_zones) / scene.unloaded_to)
-        beyond = [one.below(s, from_edge) < 0.0 for one in self.inner]
+        beyond = [boundary.below(s, from_edge) < 0.0 for boundary in self.inner]
         sign = np.array(self.states)[np.sum(beyond, axis=0, dtype=int)]
         if name == "poisson_ratio" and not self.couples:
-            q = own.traction(from_edge=from_edge) / kappa
+            q = solution.traction(from_edge=from_edge) / kappa
             if self.inner:
                 by_ratio = self._traction_in_stick("friction", s, from_edge)
                 q = q - (scene.friction or 0.0) / kappa * by_ratio
             return kappa_rate * np.where(sign == 0, q, 0.0)
-        value = np.zeros(s.shape)
+        in_stick = np.zeros(s.shape)
         if not self.slips:
-            value = self._traction_in_stick(name, s, from_edge)
+            in_stick = self._traction_in_stick(name, s, from_edge)
         if self.couples:
-            value = value * (kappa_rate if name == "poisson_ratio" else 1.0)
+            in_stick = in_stick * (kappa_rate if name == "poisson_ratio" else 1.0)
         elif name != "friction":
-            value = value * kappa
+            in_stick = in_stick * kappa
         if not any(self.states):
-            return value
-        slipping = (scene.friction or 0.0) * self._pressure(name, s, from_edge)
+            return in_stick
+        in_slip = (scene.friction or 0.0) * self._pressure(name, s, from_edge)
         if name == "friction":
-            slipping = slipping + own.pressure(from_edge=from_edge)
+            in_slip = in_slip + solution.pressure(from_edge=from_edge)
         # where it sticks the pressure may be infinite, as at a smooth edge
-        return np.asarray(value + sign * np.where(sign == 0, 0.0, slipping))
+        return np.asarray(in_stick + sign * np.where(sign == 0, 0.0, in_slip))

@@ -73,8 +73,8 @@ def solve(
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
-    asked = scene
-    scene = with_positive_kappa(asked)
+    given_scene = scene
+    scene = with_positive_kappa(given_scene)
     todo = plan(scene, quantities)
     rtol = checked_tolerance(rtol, todo.quantities)
     strict = checks.flag("strict", strict)
@@ -85,29 +85,29 @@ def solve(
     run = _run(scene, todo, rtol, max_unknowns, StepCache(progress))
     with one_thread():
         solution = run.solution()
-        solution = _resolved(run, solution, closer_for_zones=_zone_unknown(solution))
+        solution = _resolved(run, solution, closer_for_zones=_zone_may_be_missing(solution))
         if solution.ending is Ending.ZONES and scene.profile is None:
-            solution = _from_looser(scene, todo, rtol, max_unknowns, progress) or solution
-    solution = mirrored(solution, asked)
+            solution = _from_looser_tolerance(scene, todo, rtol, max_unknowns, progress) or solution
+    solution = mirrored(solution, given_scene)
     if strict and not solution.converged:
-        raise ConvergenceError(_unmet(run, solution), solution.ending.value, solution)
+        raise ConvergenceError(_failure_text(run, solution), solution.ending.value, solution)
     return solution
 
 
-def _unmet(run: Run, solution: Solution) -> str:
+def _failure_text(run: Run, solution: Solution) -> str:
     """Return why a solution did not converge: no zones were found, or a tolerance is not met."""
-    broken = solution.error.violation
+    violation = solution.error.violation
     if solution.ending is Ending.ZONES and run.refusal:
         return run.refusal
-    if solution.ending is Ending.ZONES and broken is not None:
-        return f"the friction law is broken by {broken:.1e}, at rtol = {solution.rtol:.1e}"
-    known = (getattr(solution.error, name) for name in run.bounded)
-    worst = max((error for error in known if error is not None), default=math.nan)
+    if solution.ending is Ending.ZONES and violation is not None:
+        return f"the friction law is broken by {violation:.1e}, at rtol = {solution.rtol:.1e}"
+    errors = (getattr(solution.error, name) for name in run.bounded)
+    worst = max((error for error in errors if error is not None), default=math.nan)
     return f"the error estimate {worst:.1e} does not meet rtol = {solution.rtol:.1e}"
 
 
 def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -> Solution:
-    """Return the solution of a run, or one to a tighter tolerance that knows slip or zones better.
+    """Return the solution of a run, or one to a tighter tolerance with better slip or zones.
 
     The slip in a narrow zone is as small as a power of the width of the zone, and may be less than
     the errors of the fields that it follows from. So the scene is solved to tighter tolerances
@@ -122,8 +122,8 @@ def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -
     closer_for_zones : bool
         Whether to try one tighter tolerance because a zone may be missing.
     """
-    # A tighter tolerance takes more unknowns than this one, which took too many. And if a flat
-    # punch of a history was refused, it was tried at tighter tolerances already.
+    # A tighter tolerance takes even more unknowns. If a flat punch of a history has no zones, it
+    # was solved to tighter tolerances already.
     if solution.ending is Ending.UNKNOWNS or (run.refusal and run.scene.profile is not None):
         return solution
     rtol = tolerance = solution.rtol
@@ -133,29 +133,29 @@ def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -
         if closer >= tolerance:
             break
         tolerance = closer
-        shared = StepCache(run.cache.progress)
-        run = _run(run.scene, run.plan, tolerance, run.max_unknowns, shared)
+        cache = StepCache(run.cache.progress)
+        run = _run(run.scene, run.plan, tolerance, run.max_unknowns, cache)
         try:
-            found = run.solution(rtol)
+            closer_solution = run.solution(rtol)
         except NotComputedError:  # none at this tolerance: the one at hand is kept
             break
         unresolved = _unresolved(run)
-        if found.converged and (not solution.converged or unresolved < least_unresolved):
+        if closer_solution.converged and (not solution.converged or unresolved < least_unresolved):
             least_unresolved = unresolved
-            solution = found
+            solution = closer_solution
         closer_for_zones = False
     return solution
 
 
 def _unresolved(run: Run) -> tuple[bool, float]:
-    """Return what a tighter tolerance should improve, to be compared in this order.
+    """Return whether no digit of the slip is known, and the error of the zones.
 
-    First comes whether no digit of the slip is known, then the error of the zones.
+    A tighter tolerance should lower these two, which are compared in this order.
     """
     return run.slip_unresolved, run.errors.get("zones", 0.0)
 
 
-def _from_looser(
+def _from_looser_tolerance(
     scene: Scene, todo: Plan, rtol: float, max_unknowns: int, progress: bool | None
 ) -> Solution | None:
     """Return the solution with zones that are found at a looser tolerance, if any are.
@@ -163,25 +163,25 @@ def _from_looser(
     Next to a threshold of friction a search may fail by accident of rounding. The search at `rtol`
     then starts from the zones that a looser tolerance found. If it fails again, the solution to the
     looser tolerance is returned: it counts as converged only if its estimates happen to meet
-    `rtol`. Of 16 scenes whose friction
-    is within 1e-12 of a threshold, and that fail at rtol 1e-9 or 1e-12, all are solved this way.
+    `rtol`. Of 16 scenes whose friction is within 1e-12 of a threshold, and that fail at rtol 1e-9
+    or 1e-12, all are solved this way.
     """
-    known = None
+    looser_solution = None
     for tolerance in sorted({min(factor * rtol, 1e-2) for factor in _LOOSER} - {rtol}):
-        shared = StepCache(progress)
+        cache = StepCache(progress)
         try:
-            looser = _run(scene, todo, tolerance, max_unknowns, shared).solution(rtol)
+            looser = _run(scene, todo, tolerance, max_unknowns, cache).solution(rtol)
         except NotComputedError:  # none at this tolerance
             continue
         if looser.ending is not Ending.ZONES:
-            found = _run(scene, todo, rtol, max_unknowns, shared).solution()
-            if found.ending is not Ending.ZONES:
-                return found
-            known = known or looser
-    return known
+            from_looser = _run(scene, todo, rtol, max_unknowns, cache).solution()
+            if from_looser.ending is not Ending.ZONES:
+                return from_looser
+            looser_solution = looser_solution or looser
+    return looser_solution
 
 
-def _zone_unknown(solution: Solution) -> bool:
+def _zone_may_be_missing(solution: Solution) -> bool:
     """Return whether a zone may be missing that a tighter tolerance may find.
 
     The error of the zones is 1 or more then. A solution of one zone, full stick, is tried again
@@ -190,17 +190,17 @@ def _zone_unknown(solution: Solution) -> bool:
     and SciPy of the oldest versions, rtol 1e-11 and 5e-12 ended in full stick, not converged, and
     1e-12 found the zone.
     """
-    return _zone_missing(solution) and (len(solution.zones) >= 2 or not solution.converged)
+    return _zones_uncertain(solution) and (len(solution.zones) >= 2 or not solution.converged)
 
 
-def _zone_missing(solution: Solution) -> bool:
+def _zones_uncertain(solution: Solution) -> bool:
     """Return whether the error of the zones is at least 1: one may be missing or superfluous."""
     zones = solution.error.zones
     return zones is not None and zones >= 1.0
 
 
 class Continuation:
-    """Solve scenes one after another, each with what the one before it can hand on.
+    """Solve scenes one after another, each from results of the one before.
 
     Scenes of the same normal compliance share their pressure, those of the same compliances their
     full-stick traction. So a list is best sorted by compliances.
@@ -220,10 +220,10 @@ class Continuation:
         self._quantities = frozenset(quantities)
         self._rtol = checked_tolerance(rtol, self._quantities)
         self._max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
-        self._shared = StepCache()
+        self._cache = StepCache()
 
     def solve(self, scene: Scene, more: Iterable[str] = ()) -> Solution:
-        """Return the solution of the next scene, converged or not, with `more` quantities.
+        """Return the solution of the next scene, converged or not; `more` are further quantities.
 
         Quantities that scenes of its kind do not have are left out.
 
@@ -231,7 +231,7 @@ class Continuation:
         """
         mirror = with_positive_kappa(scene)
         todo = plan(mirror, self._quantities.union(more).intersection(possible_quantities(scene)))
-        run = _run(mirror, todo, self._rtol, self._max_unknowns, self._shared)
+        run = _run(mirror, todo, self._rtol, self._max_unknowns, self._cache)
         with one_thread():
             return mirrored(_resolved(run, run.solution()), scene)
 
@@ -256,26 +256,30 @@ class Continuation:
         todo = plan(scene, self._quantities)
         with one_thread():
             return UncoupledRun(
-                scene, todo, self._rtol, self._max_unknowns, self._shared
+                scene, todo, self._rtol, self._max_unknowns, self._cache
             ).given_radius(logit)
 
 
-def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: StepCache) -> Run:
+def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, cache: StepCache) -> Run:
     """Return the run that the scene calls for."""
     if scene.profile is not None:
         from spectral_contact.solving.profile_run import ProfileRun
         from spectral_contact.solving.stages import NoFlatPunchError
 
-        def flat(one: Scene, asked: Iterable[str], tolerance: float, others: StepCache) -> Solution:
-            stage = _run(one, plan(one, asked), tolerance, max_unknowns, others)
+        def flat(
+            flat_scene: Scene, quantities: Iterable[str], tolerance: float, flat_cache: StepCache
+        ) -> Solution:
+            stage = _run(
+                flat_scene, plan(flat_scene, quantities), tolerance, max_unknowns, flat_cache
+            )
             solution = stage.solution()
             if stage.refusal:
                 raise NoFlatPunchError(stage.refusal)
             return solution
 
-        return ProfileRun(scene, todo, rtol, max_unknowns, shared, flat)
+        return ProfileRun(scene, todo, rtol, max_unknowns, cache, flat)
     if scene.coupling and scene.friction is not None and scene.kappa != 0.0:
         from spectral_contact.solving.coupled_run import CoupledRun
 
-        return CoupledRun(scene, todo, rtol, max_unknowns, shared)
-    return UncoupledRun(scene, todo, rtol, max_unknowns, shared)
+        return CoupledRun(scene, todo, rtol, max_unknowns, cache)
+    return UncoupledRun(scene, todo, rtol, max_unknowns, cache)

@@ -35,11 +35,11 @@ FlatPunches = Callable[[Scene, tuple[str, ...], float, StepCache], Solution]
 _QUANTITIES = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approach")
 #: Tolerance of the flat punches over that of the fields.
 _FLAT_RTOL_FACTOR = 0.1
-#: Their least tolerance.
+#: Least tolerance of the flat punches.
 _LEAST_FLAT_RTOL = 1e-12
 #: The mean pressure at the first radius of the history, over today's, is this fraction of the
 #: tolerance.
-_NEGLIGIBLE = 0.01
+_FIRST_PRESSURE_FRACTION = 0.01
 #: In the search for that radius, the length of a step in ``u`` over that of the step before is
 #: between these.
 _LEAST_STEP_RATIO = 0.1
@@ -56,11 +56,11 @@ _BREAK_DISTANCE = 3e-4
 #: compliance. As functions of ``b`` flat punches in full stick have no poles closer to 0: the
 #: nearest is at 2.32 without coupling, and at 2.01 with the largest coupling.
 _ORIGIN_DISTANCE = 2.0
-#: Number of radii at which the power ``dln H/dln b`` of a profile is sampled, and the change of the
-#: power that counts. With 0.1 or more, errors of the load next to the first touch were up to 9
-#: times their estimates under sums of a cone and a parabola:
-#: validation/honesty/honesty.py growing_thick.
+#: Number of radii at which the power ``dln H/dln b`` of a profile is sampled.
 _POWER_SAMPLES = 200
+#: Change of this power by which the profile counts as one of different powers near and far. With
+#: 0.1 or more, errors of the load next to the first touch were up to 9 times their estimates under
+#: sums of a cone and a parabola: validation/honesty/honesty.py growing_thick.
 _POWER_CHANGE = 0.05
 #: The power n of the first touch is taken at this fraction of the first radius of a history. A
 #: power p in place of n leaves ``(n - p) ln b`` to be interpolated, which is singular at 0, and
@@ -117,13 +117,17 @@ class Stages:
         solve: FlatPunches,
     ) -> None:
         assert scene.profile is not None
-        self.scene, self.rtol, self.max_unknowns = scene, rtol, max_unknowns
-        self.profile, self._tell, self._fields = scene.profile, tell, fields
+        self.scene = scene
+        self.rtol = rtol
+        self.max_unknowns = max_unknowns
+        self.profile = scene.profile
+        self._tell = tell
+        self._fields = fields
         self._flat_rtol = max(_FLAT_RTOL_FACTOR * rtol, _LEAST_FLAT_RTOL)
-        without: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
-        self._flat_scene = replace(scene, **without)
+        absent: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
+        self._flat_scene = replace(scene, **absent)
         self._cache = StepCache()
-        # the stick radii known so far, in the cache from which the flat punches take their start
+        # the stick radii solved for so far; flat punches find them in the cache, to start from
         self._path = StickPath(scene.normal_compliance, scene.tangential_compliance)
         self._cache.get(COUPLING if scene.couples else PARTIAL_SLIP, (), lambda: self._path)
         self._solve = solve
@@ -159,36 +163,36 @@ class Stages:
         flat = self._solve(self._scene(radius), quantities, _CRITICAL_RTOL, self._cache)
         return flat.critical_friction
 
-    def load_source(self, least: float) -> LoadSource:
-        """Return what gives load and approach along a history that begins at a radius."""
+    def load_source(self, first_radius: float) -> LoadSource:
+        """Return the source of load and approach along a history that begins at a radius."""
         if self.scene.couples:
-            return VolterraLoads(self.profile, math.log(least), self.flat(least))
+            return VolterraLoads(self.profile, math.log(first_radius), self.flat(first_radius))
         if self.scene.normal_compliance == 0.0:
-            return SmoothLoads(self.profile, self.contact(least).load)
+            return SmoothLoads(self.profile, self.contact(first_radius).load)
         return NormalLoads(self.contact)
 
-    def grower(self, least: float, radius: float) -> Grower:
-        """Return what builds the history between two contact radii."""
+    def grower(self, first_radius: float, radius: float) -> Grower:
+        """Return the builder of the history between two contact radii."""
         self._check_digits(radius)
-        onset = self._path.onset = self._onset(least, radius)
-        # The smaller distance makes the panels next to a break shorter. With coupling, panels as
-        # short as these would add differences of nearly equal numbers.
+        onset = self._path.onset = self._onset(first_radius, radius)
+        # `_SMOOTH_BREAK_DISTANCE`, the smaller one, makes the panels next to a break shorter. With
+        # coupling, panels as short as these would add differences of nearly equal numbers.
         smooth = self.scene.normal_compliance == 0.0 and not self.scene.couples
         self._check_pole(radius)
         return Grower(
             flat=self.flat,
-            load_source=self.load_source(least),
+            load_source=self.load_source(first_radius),
             onset=onset,
             fields=self._fields,
             tolerance=self.rtol,
             breaks=self.profile.breaks,
             break_distance=_SMOOTH_BREAK_DISTANCE if smooth else _BREAK_DISTANCE,
-            origin_distance=self._origin_distance(least, radius),
-            powers=self._powers(least),
+            origin_distance=self._origin_distance(first_radius, radius),
+            powers=self._powers(first_radius),
             log_pole=math.log(self.profile._pole),
         )
 
-    def _origin_distance(self, least: float, radius: float) -> float:
+    def _origin_distance(self, first_radius: float, radius: float) -> float:
         """Return the distance of the origin ``b_0`` of ``v`` below 0, from the first touch on.
 
         As functions of ``b``, flat punches in full stick have poles at negative ``b`` at distances
@@ -198,14 +202,14 @@ class Stages:
         the radius at which it has changed by `_POWER_CHANGE`.
         """
         compliances = self.scene.normal_compliance, self.scene.tangential_compliance
-        of_compliance = _ORIGIN_DISTANCE * min((c for c in compliances if c > 0.0), default=0.0)
+        distance = _ORIGIN_DISTANCE * min((c for c in compliances if c > 0.0), default=0.0)
         if self.profile.flat_part > 0.0:  # the origin is its end
-            return of_compliance
-        end = min((b for b in self.profile.breaks if b > least), default=radius)
-        u = np.linspace(math.log(least), math.log(min(end, radius)), _POWER_SAMPLES)
+            return distance
+        end = min((b for b in self.profile.breaks if b > first_radius), default=radius)
+        u = np.linspace(math.log(first_radius), math.log(min(end, radius)), _POWER_SAMPLES)
         powers = np.diff(np.log(self.profile._transform(np.exp(u)))) / np.diff(u)
         changed = np.flatnonzero(np.abs(powers - powers[0]) > _POWER_CHANGE)
-        return min(of_compliance, math.exp(u[changed[0]])) if changed.size else of_compliance
+        return min(distance, math.exp(u[changed[0]])) if changed.size else distance
 
     def _check_digits(self, radius: float) -> None:
         """Raise if a radius is so close to a flat part or a pole that the load has too few digits.
@@ -213,7 +217,8 @@ class Stages:
         The load is a power of the distance from the end of the flat part. The pole is where the
         profile is vertical; next to it the load contains the logarithm of the distance from it.
         """
-        flat_part, pole = self.profile.flat_part, self.profile._pole
+        flat_part = self.profile.flat_part
+        pole = self.profile._pole
         distance = min(radius - flat_part, pole - radius) / radius
         if distance < max(_RADIUS_ROUNDING / self.rtol, 10.0 * _BEYOND_FLAT_PART):
             raise NotComputedError(
@@ -228,18 +233,22 @@ class Stages:
         It would not grow if the zone at the edge in which the pressure changes sign is not far
         smaller than the distance to the pole.
         """
-        room = 1.0 - radius / self.profile._pole
-        # the distance from the edge at which the pressure changes sign, or nothing; without a pole
-        # no flat punch has to be solved
-        opening = room < 1.0 and self.scene.couples and self.flat(radius).values.get("opening")
-        if opening and room < _POLE_DISTANCE * opening:
+        distance_to_pole = 1.0 - radius / self.profile._pole
+        # The distance from the edge at which the pressure changes sign; False or None if it does
+        # not. Without a pole no flat punch has to be solved.
+        opening = (
+            distance_to_pole < 1.0
+            and self.scene.couples
+            and self.flat(radius).values.get("opening")
+        )
+        if opening and distance_to_pole < _POLE_DISTANCE * opening:
             raise NotComputedError(
                 "load",
                 f"at the contact radius {radius:.6g} the surface next to the edge would sink more "
                 "than the punch",
             )
 
-    def _powers(self, least: float) -> tuple[float, float]:
+    def _powers(self, first_radius: float) -> tuple[float, float]:
         """Return the powers of the radius that load and approach begin with; 0 at a flat part.
 
         They are those of (docs/theory, G.8 and G.9) with the power ``n = dln H/dln b`` of the
@@ -248,7 +257,7 @@ class Stages:
         """
         if self.profile.flat_part > 0.0:
             return 0.0, 0.0
-        b = least * np.array([_TOUCH_FRACTION, 1.0])
+        b = first_radius * np.array([_TOUCH_FRACTION, 1.0])
         # below the first break; `_rate` is the derivative of H, `_transform` is H
         with np.errstate(all="ignore"):  # H may underflow
             powers = b * self.profile._rate(b, np.zeros(2)) / self.profile._transform(b)
@@ -257,11 +266,12 @@ class Stages:
             power = at_touch
         return power + (2.0 if self.scene.normal_compliance > 0.0 else 1.0), power
 
-    def least(self, radius: float, load: float) -> float:
+    def first_radius(self, radius: float, load: float) -> float:
         """Return the first radius of the history.
 
-        Up to there load and traction are negligible: the mean pressure is `_NEGLIGIBLE` times the
-        tolerance, relative to today's. Beyond a flat part the history begins next to its end.
+        Up to there load and traction are negligible: the mean pressure over today's is the
+        tolerance times `_FIRST_PRESSURE_FRACTION`. Beyond a flat part the history begins next to
+        its end.
 
         The first radius is larger in two cases: where smaller flat punches would have compliances
         that no scene may have, and where the mean pressure falls more slowly than the radius. In
@@ -275,7 +285,7 @@ class Stages:
         """
         if self.profile.flat_part > 0.0:
             return self.profile.flat_part * (1.0 + _BEYOND_FLAT_PART)
-        wanted = math.log(_NEGLIGIBLE * self.rtol)
+        log_negligible = math.log(_FIRST_PRESSURE_FRACTION * self.rtol)
         # logarithm of the mean pressure over today's
         log_ratio = 0.0
         step = -math.log(2.0)
@@ -283,21 +293,21 @@ class Stages:
         compliance = max(self.scene.normal_compliance, self.scene.tangential_compliance)
         # flat punches of smaller radii have compliances that no scene may have
         lowest = math.log(2.0 * compliance / LARGEST_COMPLIANCE) if compliance else -math.inf
-        while log_ratio > wanted and u > lowest:
+        while log_ratio > log_negligible and u > lowest:
             u = max(u + step, lowest)
             b = math.exp(u)
-            before = log_ratio
+            previous_log_ratio = log_ratio
             log_ratio = math.log(self.contact(b).load / load * (radius / b) ** 2)
-            # it falls more slowly than b, and would be negligible at far too small radii only
+            # the ratio falls more slowly than b: it would be negligible at far too small radii only
             if log_ratio + math.log(radius / b) > 0.0 and b < 1e-9 * radius:
                 break
             # the next step is the secant's, as the ratio is like a power of the radius
-            if log_ratio < before:
-                ratio = (log_ratio - wanted) / (before - log_ratio)
+            if log_ratio < previous_log_ratio:
+                ratio = (log_ratio - log_negligible) / (previous_log_ratio - log_ratio)
                 step *= min(max(ratio, _LEAST_STEP_RATIO), _LARGEST_STEP_RATIO)
         return math.exp(u)
 
-    def _onset(self, least: float, radius: float) -> float | None:
+    def _onset(self, first_radius: float, radius: float) -> float | None:
         """Return the radius at which slip begins; 0 if at the first touch, None if there is none.
 
         There is slip where the critical friction of the flat punch is above the given one. It is
@@ -315,7 +325,8 @@ class Stages:
             excess = math.log(self.critical_friction(math.exp(u)) / friction)
             return min(excess, _LARGEST_LOG_EXCESS)
 
-        low, high = math.log(least), math.log(radius)
+        low = math.log(first_radius)
+        high = math.log(radius)
         if log_excess(high) <= 0.0:
             return None
         if log_excess(low) >= 0.0:

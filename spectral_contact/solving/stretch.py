@@ -29,17 +29,18 @@ from spectral_contact.fields import Array
 from spectral_contact.spectral.jacobi import chebyshev_interpolation
 from spectral_contact.threads import cached_property
 
-#: Safety factor of the error estimate `left_out`. Without it, errors of loads under spheres were up
-#: to 1.5 times the estimate in 19 random contacts.
+#: Safety factor of the error estimate `interpolation_error`. Without it, errors of loads under
+#: spheres were up to 1.5 times the estimate in 19 random contacts.
 _SAFETY = 3.0
-#: A decay over two degrees that may be due to chance. At 1 or more the rounding of the Volterra
-#: equation would count more, and the cone of Spence would not converge at 1e-10.
+#: Ratio of the last pair of coefficients to the one before, below which it may be small by chance.
+#: With 1 or more the rounding of the Volterra equation would be taken for a slow decay, and the
+#: cone of Spence would not converge at 1e-10.
 _FAST_DECAY = 0.1
 #: Width of the panels of a `FieldTable` in the logarithm of the distance.
-_WIDTH = 2.0
+_PANEL_WIDTH = 2.0
 #: Number of Chebyshev terms in that logarithm on each panel. Singularities are ``pi`` away from a
 #: panel, so that every term divides the error by 6.
-_TERMS = 16
+_TERMS_IN_X = 16
 
 
 @dataclass(frozen=True)
@@ -120,14 +121,14 @@ class RadiusStretch:
         return self.dv_du_at_depth(self.depth(t))
 
     def u_increment(self, depth: Array, step: Array) -> Array:
-        """Return by how much ``u`` grows if ``v`` grows by `step` from a depth on.
+        """Return the increment of ``u`` if ``v`` grows by `step` from a depth on.
 
         Its relative error is a rounding error for short steps, too.
         """
         return np.asarray(np.log1p(np.expm1(step) / self.dv_du_at_depth(depth)))
 
     def v_increment(self, depth: Array, step: Array) -> Array:
-        """Return by how much ``v`` grows from a depth on if ``u`` grows by `step`."""
+        """Return the increment of ``v`` if ``u`` grows by `step` from a depth on."""
         return np.asarray(np.log1p(np.expm1(step) * self.dv_du_at_depth(depth)))
 
     def cut(self, pieces: int) -> list[RadiusStretch]:
@@ -187,15 +188,15 @@ def _barycentric_weights(count: int) -> Array:
     return np.asarray(np.sin(math.pi * odd / (2 * count)) * (-1.0) ** np.arange(count))
 
 
-def left_out(values: Array) -> float:
+def interpolation_error(values: Array) -> float:
     """Return an estimate of the error of the interpolant, from six or more values at the points.
 
     The first coefficient that the series leaves out is extrapolated from the last two pairs of
-    coefficients. Where coefficients change their signs, a pair may be small by chance: so if the
-    last one is less than `_FAST_DECAY` of the one before, the mean decay of three pairs but the
-    constant is taken, if that is slower. The estimate is a multiple of the coefficient, as further
-    ones are left out, too: the factor is 1 if coefficients decay fast, and half their number if
-    they hardly decay.
+    coefficients. Where coefficients change their signs, a pair may be small by chance. So if the
+    last pair is less than `_FAST_DECAY` of the one before, the mean decay over the last three pairs
+    is taken if it is slower; the constant is not among them. The estimate is a multiple of the
+    extrapolated coefficient, as further ones are left out, too: the factor is 1 if coefficients
+    decay fast, and one plus half their number if they do not decay.
     """
     sizes = np.abs(chebyshev_series(values))
     last = float(sizes[-2:].max())
@@ -235,22 +236,22 @@ class FieldTable:
         self._low = low
         self._panel_count = panels
         # distances of the samples from `low`, in widths of a panel
-        scaled = np.arange(panels)[:, None] + (1.0 + chebyshev_nodes(_TERMS)) / 2.0
-        samples = values(low + _WIDTH * scaled.ravel())
-        _, over_radius = _nodes_and_matrix(len(samples))
-        _, over_logarithm = _nodes_and_matrix(_TERMS)
-        series = np.tensordot(over_radius, samples.reshape(-1, panels, _TERMS), (1, 0))
+        scaled = np.arange(panels)[:, None] + (1.0 + chebyshev_nodes(_TERMS_IN_X)) / 2.0
+        samples = values(low + _PANEL_WIDTH * scaled.ravel())
+        _, to_degrees_in_t = _nodes_and_matrix(len(samples))
+        _, to_degrees_in_x = _nodes_and_matrix(_TERMS_IN_X)
+        series = np.tensordot(to_degrees_in_t, samples.reshape(-1, panels, _TERMS_IN_X), (1, 0))
         #: Coefficients: (panels, degrees in t, degrees in x).
-        self._coefficients = np.swapaxes(series @ over_logarithm.T, 0, 1)
+        self._coefficients = np.swapaxes(series @ to_degrees_in_x.T, 0, 1)
         last = np.abs(self._coefficients[..., -2:]).max()
         self.series_error = float(last / max(np.abs(samples).max(), 1e-300))
 
     def __call__(self, t: Array, x: Array) -> Array:
         """Return the field at places ``t`` of radii and at ``x``, both (n,)."""
-        return np.asarray(self.several([self], t, x)[0])
+        return np.asarray(self.evaluate([self], t, x)[0])
 
     @staticmethod
-    def several(tables: Sequence[FieldTable], t: Array, x: Array) -> Array:
+    def evaluate(tables: Sequence[FieldTable], t: Array, x: Array) -> Array:
         """Return fields of tables with the same panels, at the same ``t`` and ``x``, (tables, n).
 
         The points are sorted by panel, so that each panel is evaluated once, for all its points.
@@ -258,7 +259,7 @@ class FieldTable:
         first = tables[0]
         count = first._panel_count
         degrees = first._coefficients.shape[1]
-        scaled = np.clip((x - first._low) / _WIDTH, 0.0, count)
+        scaled = np.clip((x - first._low) / _PANEL_WIDTH, 0.0, count)
         panel_of_point = np.minimum(scaled.astype(np.intp), count - 1)
         local = np.clip(2.0 * (scaled - panel_of_point) - 1.0, -1.0, 1.0)
         order = np.argsort(panel_of_point, kind="stable")
@@ -266,11 +267,11 @@ class FieldTable:
         fields = np.empty((len(tables), len(x)))
         for k in np.flatnonzero(np.diff(bounds)):
             points = order[bounds[k] : bounds[k + 1]]
-            in_logarithm = _chebyshev_rows(local[points], _TERMS)
-            in_radius = _chebyshev_rows(t[points], degrees)
+            polynomials_in_x = _chebyshev_rows(local[points], _TERMS_IN_X)
+            polynomials_in_t = _chebyshev_rows(t[points], degrees)
             for table, row in zip(tables, fields, strict=True):
-                over_radius = table._coefficients[k] @ in_logarithm
-                row[points] = np.einsum("ij,ij->j", over_radius, in_radius)
+                series_in_t = table._coefficients[k] @ polynomials_in_x
+                row[points] = np.einsum("ij,ij->j", series_in_t, polynomials_in_t)
         return fields
 
 

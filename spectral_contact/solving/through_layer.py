@@ -1,4 +1,4 @@
-"""Normal contact through a nonlinear layer, of whatever is given."""
+"""Normal contact through a nonlinear layer at a given load, approach or separation."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from spectral_contact.layers.layer_base import Layer
 from spectral_contact.profiles import Profile
 
 #: Tolerance of a contact that is a first guess only.
-_ROUGH = 1e-4
+_GUESS_TOLERANCE = 1e-4
 
 
 def through_layer(
@@ -49,23 +49,23 @@ def through_layer(
     pointwise : bool
         Whether the pressure is wanted.
     near : float or None
-        Where the radius may be.
+        A guess of the radius.
     drives : bool
         Whether the pressure, under a flat punch, has to drive a traction.
     """
     bends: tuple[Bend, ...] = ()
-    last: LayeredSolution | None = None
+    previous: LayeredSolution | None = None
 
-    def at(radius: float, tolerance: float, pointwise: bool) -> Contact:
-        # the solution is about the last one, and the law bends about where it did
-        nonlocal bends, last
+    def contact_at(radius: float, tolerance: float, pointwise: bool) -> Contact:
+        # the solution is like the previous one, and the law bends near the radii where it did
+        nonlocal bends, previous
         setting = setting_at_radius(profile, layer, radius, bends)
         try:
-            found, last = solve_layered_from(
-                last, setting, tolerance, max_unknowns, pointwise=pointwise
+            found, previous = solve_layered_from(
+                previous, setting, tolerance, max_unknowns, pointwise=pointwise
             )
         except SceneError as error:
-            # it is about the radius tried, which is not what the user has given
+            # the error is about the radius tried, but the user has given a load or an approach
             name, value = ("load", load) if approach is None else ("approach", approach)
             raise SceneError(name, value, f"that of a contact radius {error.allowed}") from error
         bends = value_of(found).bends
@@ -86,27 +86,31 @@ def through_layer(
         return found, 0.0
     return find_radius(
         profile,
-        at,
+        contact_at,
         tolerance,
         load=load,
         approach=approach,
         pointwise=pointwise,
-        near=near or _nearby(profile, layer, load, approach),
+        near=near or _smooth_radius(profile, layer, load, approach),
         origin=layer.start,
     )
 
 
-def _nearby(
+def _smooth_radius(
     profile: Profile, layer: Layer, load: float | None, approach: float | None
 ) -> float | None:
-    """Return the radius of a smooth contact under the same load or approach, None if there is none.
+    """Return the contact radius on a smooth surface under the same load, or at the same depth.
 
     The search for the radius begins there, since at far larger ones an exponential law overflows.
+    The depth is the approach less its value at first contact. There is no such radius (None) if the
+    profile ends before.
     """
     smooth = indenter(profile, 0.0, 0)
-    deep = None if approach is None else approach - layer.start
+    indentation = None if approach is None else approach - layer.start
     try:
-        found, _ = find_radius(profile, smooth, _ROUGH, load=load, approach=deep, pointwise=False)
+        found, _ = find_radius(
+            profile, smooth, _GUESS_TOLERANCE, load=load, approach=indentation, pointwise=False
+        )
     except SceneError:  # the profile ends before
         return None
     radius = value_of(found).radius

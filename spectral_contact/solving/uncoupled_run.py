@@ -75,8 +75,8 @@ class UncoupledRun(Run):
             return None
         disk = solved.best.value
         outcome = zones_outcome(disk, self.parameters._replace(friction=friction), contact)
-        positive = bool((disk.shears[0].at_ends() >= 0.0).all())
-        if not (outcome.verified and positive and disk.shear_error <= self.rtol):
+        traction_positive = bool((disk.shears[0].at_ends() >= 0.0).all())
+        if not (outcome.verified and traction_positive and disk.shear_error <= self.rtol):
             return None
         kappa = self.scene.kappa
         friction_error = float(disk.logit_errors[0])  # with a given radius the unknown is ln f
@@ -90,7 +90,7 @@ class UncoupledRun(Run):
 
         parameters = self.parameters
         path = self.cache.get(PARTIAL_SLIP, (), ZonePath)
-        place = log_parameters(parameters)
+        log_point = log_parameters(parameters)
         unloaded = self.scene.unloaded_to < 1.0
         search = UncoupledSearch(
             parameters,
@@ -99,7 +99,7 @@ class UncoupledRun(Run):
             self.max_unknowns,
             self.record,
             contact,
-            warm_start=path.predict(place),
+            warm_start=path.predict(log_point),
             pointwise=unloaded
             or not {"traction", "slip", "zones"}.isdisjoint(self.plan.quantities),
         )
@@ -107,7 +107,7 @@ class UncoupledRun(Run):
             self._unload(search)
             return
         solved = search.outcome()
-        path.add(place, solved.layout)
+        path.add(log_point, solved.layout)
         self.store(solved, self.scene.kappa)
 
     def _unload(self, search: UncoupledSearch) -> None:
@@ -130,29 +130,29 @@ class UncoupledRun(Run):
         load_ratio = self.scene.unloaded_to
         key = (*self.normal_key, search.parameters, search.tolerance)
 
-        def from_largest_load() -> Unloading | None:
+        def solve_largest_load() -> Unloading | None:
             loaded = search.outcome()
             if loaded.layout is None or not loaded.verified:
                 return None
             return Unloading(search, loaded, self.tangential_tolerance)
 
-        unloading: Unloading | None = self.cache.get(UNLOADING, key, from_largest_load)
-        told = f"the state unloaded to {load_ratio!r}"
+        unloading: Unloading | None = self.cache.get(UNLOADING, key, solve_largest_load)
+        state_name = f"the state unloaded to {load_ratio!r}"
         if unloading is None:
             reason = (
                 "the zones at the largest load are too narrow to be resolved, or none are found"
             )
-            raise NotComputedError(told, reason)
+            raise NotComputedError(state_name, reason)
         path = self.cache.get(LOAD_RATIOS, key, ZonePath)
-        place = (log(load_ratio),)
+        log_point = (log(load_ratio),)
         try:
-            solved = unloading.state(load_ratio, self.record, path.predict(place))
+            solved = unloading.state(load_ratio, self.record, path.predict(log_point))
         except HistoryError as error:
-            raise NotComputedError(told, str(error)) from None
+            raise NotComputedError(state_name, str(error)) from None
         except NoZonesError as error:
             reason = f"no zones were found that obey the friction law ({error})"
-            raise NotComputedError(told, reason) from None
-        path.add(place, solved.layout)
+            raise NotComputedError(state_name, reason) from None
+        path.add(log_point, solved.layout)
         self.store(solved, self.scene.kappa)
         self.skip("the step unloading has found the zones", ZONE_SEARCH)
         self.ran("; ".join(trial.text for trial in solved.trials), UNLOADING)

@@ -38,8 +38,12 @@ from spectral_contact.errors import NotComputedError
 from spectral_contact.fields import Array
 from spectral_contact.fields.series import LogSeries
 from spectral_contact.profiles.profile_base import Profile
-from spectral_contact.solving.outside import outside_displacement, reached
-from spectral_contact.solving.stretch import RadiusStretch, interpolation_weights, left_out
+from spectral_contact.solving.outside import outside_displacement, outside_values
+from spectral_contact.solving.stretch import (
+    RadiusStretch,
+    interpolation_error,
+    interpolation_weights,
+)
 from spectral_contact.spectral.jacobi import graded_rule
 
 if TYPE_CHECKING:
@@ -53,11 +57,11 @@ if TYPE_CHECKING:
 _GRADED_ARGUMENTS = (14, 16, 0.2)
 #: Number of Gauss points for a smooth integrand.
 _SMOOTH_POINTS = 20
-#: Distance in ``u`` of ``r`` from a panel, beyond which the integrand on the panel is smooth and
+#: Distance in ``u`` of ``r`` from a panel beyond which the integrand on the panel is smooth and
 #: Gauss points are enough.
-_FAR = 1.0
+_SMOOTH_DISTANCE = 1.0
 #: A panel begins at a break if their distance in ``u`` is less than this.
-_SAME = 1e-14
+_BREAK_ROUNDING = 1e-14
 #: Number of points at which the equation is required over that of unknowns. With as many points as
 #: unknowns errors grow from panel to panel where the pressure oscillates.
 _POINTS_PER_UNKNOWN = 1.6
@@ -108,7 +112,7 @@ class NormalLoads:
     def __init__(self, contact: Callable[[float], Indentation]) -> None:
         self._contact = contact
 
-    def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> PanelLoads:
+    def loads_on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> PanelLoads:
         """Return loads and approaches of the panel that follows the last one kept."""
         contacts = [self._contact(b) for b in np.exp(stretch.u_nodes).tolist()]
         loads = np.array([contact.load for contact in contacts])
@@ -119,7 +123,7 @@ class NormalLoads:
     def keep(self) -> None:
         """Do nothing: normal contact does not depend on the history."""
 
-    def back(self, count: int) -> None:
+    def cut_back(self, count: int) -> None:
         """Do nothing: normal contact does not depend on the history."""
 
 
@@ -148,7 +152,7 @@ class SmoothLoads:
         #: load at the upper end of the panel that was computed last
         self._new_load = first
 
-    def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> PanelLoads:
+    def loads_on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> PanelLoads:
         """Return loads and approaches of the panel that follows the last one kept."""
         points, weights = self._rule
         ends = np.append(stretch.u_nodes, stretch.high)
@@ -164,7 +168,7 @@ class SmoothLoads:
         """Add the panel that was computed last to the history."""
         self._loads.append(self._new_load)
 
-    def back(self, count: int) -> None:
+    def cut_back(self, count: int) -> None:
         """Keep only the first `count` panels of the history."""
         del self._loads[count + 1 :]
 
@@ -234,7 +238,7 @@ class _VolterraPanel:
         -------
         ndarray, shape (radii, points)
         """
-        omega = reached(self.outside, distance.ravel()).reshape(-1, *distance.shape)
+        omega = outside_values(self.outside, distance.ravel()).reshape(-1, *distance.shape)
         return np.asarray(1.0 - np.einsum("...nk,k...n->...n", factors, omega))
 
 
@@ -263,7 +267,8 @@ class VolterraLoads:
         roots, weights = graded_rule(*_GRADED_ARGUMENTS)
         half_points = roots**2 / 2.0
         half_weights = roots * weights
-        #: rules on (0, 1): graded to 0, for smooth integrands, and graded to both ends
+        #: rules on (0, 1): graded to 0, for smooth integrands, and graded to both ends; a node
+        #: graded to 0 is the square of a node of `graded_rule`
         self._graded = 2.0 * half_points, 2.0 * half_weights
         self._smooth = graded_rule(_SMOOTH_POINTS, 1, 0.0)
         self._two_sided = (
@@ -278,12 +283,12 @@ class VolterraLoads:
         self._first_outside = [self._latest[1]]
         #: quadrature over radii below `low`: distances from it in u, and d delta times the weights
         self._below_low, self._first_increments = self._first_quadrature()
-        # they are dH times the weights so far; the equation at `low` gives the factor D
+        # So far these are dH times the weights. The factor D follows from the equation at `low`.
         at_low = np.array([low])
         self._first_increments *= self._height(at_low) / self._integral_below_low(at_low)
         approach = float(self._first_increments.sum())
-        # b/exp(low), and b delta*/exp(low): in delta* the part of the body is that at `low`, and
-        # the part of the layer is in proportion to 1/b
+        # b/exp(low), and b delta*/exp(low). The part of delta* by the half-spaces is that at `low`;
+        # the part by the layer is in proportion to 1/b.
         radii = np.exp(-self._below_low)
         layer = first.scene.normal_compliance / math.pi
         scaled_approaches = (first.approach - layer) * radii + layer
@@ -295,7 +300,7 @@ class VolterraLoads:
         self._new_panel: _VolterraPanel | None = None
         self._new_end = load, approach
 
-    def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> PanelLoads:
+    def loads_on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> PanelLoads:
         """Return loads and approaches of the panel that follows the last one kept.
 
         Raises
@@ -303,7 +308,7 @@ class VolterraLoads:
         NotComputedError
             If load or approach would not grow with the contact radius.
         """
-        at_break = bool(np.abs(self._breaks - stretch.low).min(initial=1.0) < _SAME)
+        at_break = bool(np.abs(self._breaks - stretch.low).min(initial=1.0) < _BREAK_ROUNDING)
         rough_start = at_break or not self._panels
         outside = [self._outside(flat) for flat in flats]
         panel = _VolterraPanel(stretch, np.zeros(stretch.count), outside, rough_start)
@@ -359,13 +364,13 @@ class VolterraLoads:
         self._new_end = float(loads[-1]), float(approaches[-1])
         increments = np.diff(loads, prepend=load), np.diff(approaches, prepend=approach)
         if not np.min(increments) > 0.0:
-            text = f"at the contact radius {math.exp(stretch.high):.6g} the load would not grow"
-            raise NotComputedError("load", text)
-        # Next to the edge a panel may add more to the fields than to load and approach: about the
-        # square root of the fraction of these that it adds.
-        added = 1.0 - min(load / self._new_end[0], approach / self._new_end[1])
-        error = left_out(panel.ratios) / float(np.abs(panel.ratios).max())
-        error *= math.sqrt(max(added, 0.0))
+            message = f"at the contact radius {math.exp(stretch.high):.6g} the load would not grow"
+            raise NotComputedError("load", message)
+        # Next to the edge a panel may add a larger fraction to the fields than to load and
+        # approach: about the square root of the latter.
+        fraction_added = 1.0 - min(load / self._new_end[0], approach / self._new_end[1])
+        error = interpolation_error(panel.ratios) / float(np.abs(panel.ratios).max())
+        error *= math.sqrt(max(fraction_added, 0.0))
         return PanelLoads(loads[:-1], approaches[:-1], error)
 
     def keep(self) -> None:
@@ -374,20 +379,20 @@ class VolterraLoads:
         self._panels.append(self._new_panel)
         self._ends.append(self._new_end)
 
-    def back(self, count: int) -> None:
+    def cut_back(self, count: int) -> None:
         """Keep only the first `count` panels of the history."""
         del self._panels[count:], self._ends[count + 1 :]
 
     def _integral_below_low(self, log_radii: Array) -> Array:
         """Return ``int [1 - omega(b, r)] d delta`` over ``b`` below `low`, at radii ``r``, (n,)."""
         distance = log_radii[:, None] - self._low + self._below_low
-        omega = reached(self._first_outside, distance.ravel())[0].reshape(distance.shape)
+        omega = outside_values(self._first_outside, distance.ravel())[0].reshape(distance.shape)
         return np.asarray((1.0 - omega) @ self._first_increments)
 
     def _integral_over(self, panel: _VolterraPanel, log_radii: Array) -> Array:
         """Return ``int [1 - omega(b, r)] d delta`` over an earlier panel, at radii ``r``, (n,)."""
         above_end = log_radii - panel.stretch.high
-        far = (above_end > _FAR) & (not panel.rough_start)
+        far = (above_end > _SMOOTH_DISTANCE) & (not panel.rough_start)
         integrals = np.empty(len(above_end))
         for is_far in (False, True):
             rows = far == is_far
@@ -437,17 +442,18 @@ class VolterraLoads:
         """Return ``dH/du`` at logarithms of radii, of any shape."""
         u = log_radii.ravel()
         b = np.exp(u)
-        past = np.zeros(len(u))  # b**2 less the square of the last break below b
+        squares_beyond_break = np.zeros(len(u))  # b**2 less the square of the last break below b
         if len(self._breaks):
             last = np.searchsorted(self._breaks, u, side="right") - 1
             log_break = self._breaks[np.maximum(last, 0)]
             squares = np.exp(2.0 * log_break) * np.expm1(2.0 * (u - log_break))
-            past = np.where(last >= 0, squares, 0.0)
-        return np.asarray(b * self.profile._rate(b, past)).reshape(log_radii.shape)
+            squares_beyond_break = np.where(last >= 0, squares, 0.0)
+        return np.asarray(b * self.profile._rate(b, squares_beyond_break)).reshape(log_radii.shape)
 
 
-#: A source of loads and approaches, panel by panel from the first touch on. `on` returns those of a
-#: panel, and `keep` makes this panel a part of the history; `back` removes the latest panels.
+#: A source of loads and approaches, panel by panel from the first touch on. `loads_on` returns
+#: those of a panel, and `keep` makes this panel a part of the history; `cut_back` removes the
+#: latest panels.
 LoadSource = NormalLoads | SmoothLoads | VolterraLoads
 
 

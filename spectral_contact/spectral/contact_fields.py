@@ -317,11 +317,11 @@ class ContactFields:
         traction of a small stick disk under little friction.
         """
         place = slice(0, len(pressures))
-        central = PressureField.several(pressures, np.ones(1))
+        central = PressureField.values_of(pressures, np.ones(1))
         for k, part in enumerate(self.parts):
             panels = part.mesh.panels
             points = part.mesh.sampling()
-            values = PressureField.several(pressures, points.y)
+            values = PressureField.values_of(pressures, points.y)
             variation = values - central
             if panels.power != 0.0:
                 values = values / panels.sampling_distances**panels.power

@@ -16,10 +16,10 @@ import numpy as np
 from spectral_contact.processes import end_with_parent
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Ending, Solution
-from spectral_contact.sweeps.indentation_curves import along, indentation_curves
-from spectral_contact.sweeps.lines import between, lines
+from spectral_contact.sweeps.indentation_curves import indentation_curves, interpolate_curve
+from spectral_contact.sweeps.lines import interpolate_line, lines
 from spectral_contact.sweeps.request import Outcome, Request, Rows
-from spectral_contact.sweeps.shortcuts import served
+from spectral_contact.sweeps.shortcuts import served_by_spectra
 from spectral_contact.sweeps.sweep_parameters import Columns, Indices, SweepParameters, changed
 from spectral_contact.threads import one_thread
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 _LOG = logging.getLogger(__name__)
 
 #: Most chunks that are submitted and not done, a number that was chosen: each of them holds memory.
-_AHEAD: Final = 64
+_MOST_SUBMITTED: Final = 64
 
 
 @one_thread()
@@ -42,27 +42,27 @@ def solve_chunk(
     Parameters
     ----------
     columns : Columns
-        Sorted, so that neighbours share what they can.
+        Sorted, so that neighbours have steps in common.
     request : Request
     asker : int
-        The process that asks; if it is the parent of this one, this one ends with it.
+        Number of the process that asks. If it is the parent of this process, this one ends with it.
     continuation : callable
         `Continuation`, or what takes its place: called with the tolerance, the quantities and the
         largest number of unknowns, it returns an object that solves one scene after another.
     """
     end_with_parent(asker)
-    path = continuation(request.rtol, request.quantities, request.max_unknowns)
-    work = _Chunk(columns, request, path)
-    # first what serves many scenes at once; what a step does not serve is left to the next one
+    continued = continuation(request.rtol, request.quantities, request.max_unknowns)
+    chunk = _Chunk(columns, request, continued)
+    # steps that serve many scenes at once come first; each serves scenes that the ones before left
     if request.shared:
-        work.rows.put(np.arange(len(columns)), served(columns, request))
-    for line in lines(columns, work.rows.left, request):
-        work.rows.put(line, between(columns[line], request, OnLine(work, line)))
-    for curve in indentation_curves(columns, work.rows.left, request):
-        work.rows.put(curve, along(columns[curve], request, OnLine(work, curve)))
-    for i in work.rows.left.tolist():
-        work.solve(i)
-    return work.rows.outcome()
+        chunk.rows.put(np.arange(len(columns)), served_by_spectra(columns, request))
+    for line in lines(columns, chunk.rows.unsolved, request):
+        chunk.rows.put(line, interpolate_line(columns[line], request, OnLine(chunk, line)))
+    for curve in indentation_curves(columns, chunk.rows.unsolved, request):
+        chunk.rows.put(curve, interpolate_curve(columns[curve], request, OnLine(chunk, curve)))
+    for i in chunk.rows.unsolved.tolist():
+        chunk.solve(i)
+    return chunk.rows.outcome()
 
 
 class _Chunk:
@@ -101,22 +101,28 @@ class OnLine:
         self._line = line.tolist()
         self._first = work.columns.scene(self._line[0])
 
-    def at_scene(self, i: int, more: tuple[str, ...]) -> Solution | None:
+    def at_scene(self, i: int, extra_quantities: tuple[str, ...]) -> Solution | None:
         """Solve the scene i of the line, with more quantities than were asked for; keep it."""
         place = self._line[i]
-        found = self._converged(lambda: self._work.columns.scene(place), more)
-        if found is not None:
-            self._work.rows.take(place, found)
-        return found
+        solution = self._converged(lambda: self._work.columns.scene(place), extra_quantities)
+        if solution is not None:
+            self._work.rows.take(place, solution)
+        return solution
 
-    def with_contact_radius(self, radius: float, more: tuple[str, ...]) -> Solution | None:
+    def with_contact_radius(
+        self, radius: float, extra_quantities: tuple[str, ...]
+    ) -> Solution | None:
         """Solve the first scene with another contact radius, in L."""
-        return self._converged(lambda: changed(self._first, {"contact_radius": radius}), more)
+        return self._converged(
+            lambda: changed(self._first, {"contact_radius": radius}), extra_quantities
+        )
 
-    def _converged(self, make: Callable[[], Scene], more: tuple[str, ...]) -> Solution | None:
+    def _converged(
+        self, make_scene: Callable[[], Scene], extra_quantities: tuple[str, ...]
+    ) -> Solution | None:
         """Make a scene, which may fail, too, and return its solution if it converges."""
         try:
-            solution = self._work.path.solve(make(), more)
+            solution = self._work.path.solve(make_scene(), extra_quantities)
         except Exception:  # `_Chunk.solve` records it
             return None
         return solution if solution.ending is Ending.CONVERGED else None
@@ -158,15 +164,15 @@ def outcomes(
     continuation : callable
         As of `solve_chunk`.
     """
-    left = dict(chunks)
+    unfinished = dict(chunks)
     if executor is not None:
         try:
             for number, outcome in _submitted(executor, parameters, chunks, request, continuation):
-                del left[number]
+                del unfinished[number]
                 yield number, outcome
         except BrokenExecutor as error:
-            _LOG.warning("the executor broke (%s): %d chunks are done here", error, len(left))
-    for number, scenes in left.items():
+            _LOG.warning("the executor broke (%s): %d chunks are done here", error, len(unfinished))
+    for number, scenes in unfinished.items():
         yield number, solve_chunk(parameters.columns(scenes), request, os.getpid(), continuation)
 
 
@@ -186,7 +192,7 @@ def _submitted(
                 columns: Columns = parameters.columns(scenes)
                 task = executor.submit(solve_chunk, columns, request, os.getpid(), continuation)
                 running[task] = number
-                if len(running) >= _AHEAD:
+                if len(running) >= _MOST_SUBMITTED:
                     break
             if not running:
                 return

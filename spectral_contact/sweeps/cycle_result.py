@@ -31,7 +31,7 @@ __all__ = ["CycleErrors", "LoopBranch", "PhysicalSteadyCycle", "SteadyCycle"]
 
 #: The ends of a loop.
 _ENDS: Final = ("highest", "lowest")
-#: Most rows of a table, a number that was chosen.
+#: Largest number of rows of a table; chosen.
 _MOST_POINTS: Final = 1_000_000
 #: Why `unloading_dissipation` is None.
 FORWARD = (
@@ -148,8 +148,8 @@ class SteadyCycle(Suggesting):
     @property
     def worst_error(self) -> float:
         """Largest error estimate of the dissipation while the load falls, and while it rises."""
-        each = self.error.reloading_dissipation, self.error.unloading_dissipation
-        return max(one for one in each if one is not None)
+        errors = self.error.reloading_dissipation, self.error.unloading_dissipation
+        return max(error for error in errors if error is not None)
 
     @over_s
     def slip_amplitude(
@@ -174,7 +174,7 @@ class SteadyCycle(Suggesting):
         SceneError
             For both or neither argument, or a radius outside [0, 1].
         """
-        slip = self.solution.slip(**_place(s, from_edge))
+        slip = self.solution.slip(**_radius_arguments(s, from_edge))
         return (1.0 - self.lowest) * np.abs(slip)[()]
 
     @over_s
@@ -185,7 +185,7 @@ class SteadyCycle(Suggesting):
 
         Parameters, return value and errors are those of `slip_amplitude`.
         """
-        return (1.0 - self.lowest) * self.solution.traction(**_place(s, from_edge))
+        return (1.0 - self.lowest) * self.solution.traction(**_radius_arguments(s, from_edge))
 
     def traction(
         self,
@@ -228,8 +228,8 @@ class SteadyCycle(Suggesting):
             if zone.kind == "slip":
                 slips |= (from_edge <= zone.inner_from_edge) & (from_edge >= zone.outer_from_edge)
         traction = np.full(from_edge.shape, np.nan)
-        share = np.sign(self.scene.kappa) * (1.0 if at == "highest" else -self.lowest)
-        traction[slips] = share * self._friction_bound(from_edge[slips])
+        factor = np.sign(self.scene.kappa) * (1.0 if at == "highest" else -self.lowest)
+        traction[slips] = factor * self._friction_bound(from_edge[slips])
         return traction
 
     def traction_bounds(
@@ -270,9 +270,9 @@ class SteadyCycle(Suggesting):
             change = np.where(limit < np.inf, self.traction_change(from_edge=distance), 0.0)
             low = low - change
             high = high - change
-        known = self._slip_traction(distance, at)
-        sticks = np.isnan(known)
-        return np.where(sticks, low, known)[()], np.where(sticks, high, known)[()]
+        slip_traction = self._slip_traction(distance, at)
+        sticks = np.isnan(slip_traction)
+        return np.where(sticks, low, slip_traction)[()], np.where(sticks, high, slip_traction)[()]
 
     def _friction_bound(self, from_edge: Array) -> Array:
         """Return f p at the largest load."""
@@ -308,8 +308,8 @@ class SteadyCycle(Suggesting):
         # each l solves f (l + lowest)/(l - lowest) = the friction of a state
         between = self.lowest * (frictions + friction) / (frictions - friction)
         load = np.array([self.lowest, *between, 1.0])
-        begin = (self.lowest - 1.0) * self.solution.total_shear
-        return LoopBranch(load, begin + (load - self.lowest) * self._state_shears())
+        shear_at_lowest = (self.lowest - 1.0) * self.solution.total_shear
+        return LoopBranch(load, shear_at_lowest + (load - self.lowest) * self._state_shears())
 
     @property
     def _friction(self) -> float:
@@ -410,14 +410,16 @@ class SteadyCycle(Suggesting):
         error = self.error.slip_amplitude
         if not error:
             return error
-        slips = [one for one in self.zones if one.kind == "slip"]
-        if not slips:  # so close to shakedown that it is not known whether it slips
+        slip_zones = [zone for zone in self.zones if zone.kind == "slip"]
+        if not slip_zones:  # so close to shakedown that it is not known whether it slips
             return error
-        if slips[-1].outer_from_edge > 0.0:  # the edge sticks
+        if slip_zones[-1].outer_from_edge > 0.0:  # the edge sticks
             return 0.0
         at_edge = float(self.slip_amplitude(from_edge=0.0))
         # the error is relative to the largest slip, which is looked for at nodes of the zones
-        nodes = [annulus_nodes(one.inner_from_edge, one.outer_from_edge, 2)[0] for one in slips]
+        nodes = [
+            annulus_nodes(zone.inner_from_edge, zone.outer_from_edge, 2)[0] for zone in slip_zones
+        ]
         largest = float(self.slip_amplitude(from_edge=np.concatenate(nodes)).max())
         return error * max(largest / at_edge, 1.0) if at_edge > 0.0 else np.inf
 
@@ -502,9 +504,9 @@ def _dissipation_rows(
     ]
 
 
-def _plus(error: float | None, more: float) -> float | None:
+def _error_sum(error: float | None, load_error: float) -> float | None:
     """Return the sum of two errors; None and 0, as of exact numbers, are returned unchanged."""
-    return error + more if error else error
+    return error + load_error if error else error
 
 
 def _table(title: str, rows: list[_TableRow]) -> str:
@@ -515,7 +517,7 @@ def _table(title: str, rows: list[_TableRow]) -> str:
     return table(cells)
 
 
-def _place(
+def _radius_arguments(
     radius: ArrayLike | None, from_edge: ArrayLike | None, name: str = "s"
 ) -> dict[str, Any]:
     """Return radii, or distances from the edge, as keywords that fields of a solution take."""
@@ -532,16 +534,16 @@ class PhysicalSteadyCycle(Suggesting):
     cycle: SteadyCycle
 
     def __post_init__(self) -> None:
-        _ = self._loop  # refuses a scene without SI data
+        _ = self._solution  # refuses a scene without SI data
 
     @property
-    def _loop(self) -> PhysicalSolution:
+    def _solution(self) -> PhysicalSolution:
         return PhysicalSolution(self.cycle.solution)
 
     @property
     def load(self) -> float:
         """Largest load P [N]."""
-        return self._loop.load
+        return self._solution.load
 
     @property
     def lowest_load(self) -> float:
@@ -551,7 +553,7 @@ class PhysicalSteadyCycle(Suggesting):
     @property
     def stick_radius(self) -> float:
         """Outer radius of the zone at the centre that never slips [m]."""
-        return self.cycle.stick_radius * self._loop.radius
+        return self.cycle.stick_radius * self._solution.radius
 
     @property
     def _load_error(self) -> float:
@@ -565,40 +567,44 @@ class PhysicalSteadyCycle(Suggesting):
         return 0.0 if given else float(self.cycle.solution.error.approach or 0.0)
 
     @property
-    def _energy(self) -> float:
+    def _energy_unit(self) -> float:
         """Unit of energy [J]: the largest load times the unit of displacements."""
-        return self.load * self._loop.units.displacement
+        return self.load * self._solution.units.displacement
 
     @property
     def dissipation(self) -> float | None:
         """Energy that friction dissipates in each cycle [J]; None where that of unloading is."""
         value = self.cycle.dissipation
-        return None if value is None else value * self._energy
+        return None if value is None else value * self._energy_unit
 
     @property
     def unloading_dissipation(self) -> float | None:
         """The part of it while the load falls [J]; None where it is not known."""
         value = self.cycle.unloading_dissipation
-        return None if value is None else value * self._energy
+        return None if value is None else value * self._energy_unit
 
     @property
     def reloading_dissipation(self) -> float:
         """The part of it while the load rises [J]."""
-        return self.cycle.reloading_dissipation * self._energy
+        return self.cycle.reloading_dissipation * self._energy_unit
 
     @over_r
     def slip_amplitude(
         self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
     ) -> Any:
         """Evaluate how far the surface slips to and fro [m] at radii [m], or `from_edge` [m]."""
-        return (1.0 - self.cycle.lowest) * np.abs(self._loop.slip(**_place(r, from_edge, "r")))[()]
+        return (1.0 - self.cycle.lowest) * np.abs(
+            self._solution.slip(**_radius_arguments(r, from_edge, "r"))
+        )[()]
 
     @over_r
     def traction_change(
         self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
     ) -> Any:
         """Evaluate the traction at the largest load less that at the lowest one [Pa]."""
-        return (1.0 - self.cycle.lowest) * self._loop.traction(**_place(r, from_edge, "r"))
+        return (1.0 - self.cycle.lowest) * self._solution.traction(
+            **_radius_arguments(r, from_edge, "r")
+        )
 
     def __str__(self) -> str:
         error = self.cycle.error
@@ -608,15 +614,15 @@ class PhysicalSteadyCycle(Suggesting):
         # the unit of energy is the load times the unit of displacements, which is proportional to
         # the load: its relative error is twice that of the load
         energies = ("dissipation", "unloading_dissipation", "reloading_dissipation")
-        of_energy: dict[str, Any] = {
-            name: _plus(getattr(error, name), 2.0 * load_error) for name in energies
+        energy_errors: dict[str, Any] = {
+            name: _error_sum(getattr(error, name), 2.0 * load_error) for name in energies
         }
         rows = [
             _TableRow("largest load", self.load, load_error, "N"),
             _TableRow("lowest load", self.lowest_load, load_error, "N"),
             _TableRow("stick radius", self.stick_radius, error.stick_radius, "m"),
-            _TableRow("slip amplitude, edge", slip, _plus(edge_error, load_error), "m"),
-            *_dissipation_rows(self, replace(error, **of_energy), "J"),
+            _TableRow("slip amplitude, edge", slip, _error_sum(edge_error, load_error), "m"),
+            *_dissipation_rows(self, replace(error, **energy_errors), "J"),
         ]
         return _table("SI", rows)
 

@@ -1,4 +1,4 @@
-"""Damping maps: what steady loops dissipate over the lowest load and the friction."""
+"""Damping maps: the energy that steady loops dissipate, over the lowest load and the friction."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _TOLERANCES: Final = "in [1e-10, 1e-2]"
 #: Tolerance of the solves over that of the dissipation, a number that was chosen.
-_SHARE: Final = 1e-2
+_SOLVE_FRACTION: Final = 1e-2
 _ENERGY: Final = "4(1−ν²)P²/(aE)"
 #: Name, meaning and unit of each variable of a map.
 _NUMBERS: Final = (
@@ -94,7 +94,7 @@ def damping_map(
     max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
     with one_thread():
         family = CycleFamily(
-            scene, frictions.tolist(), loads.tolist(), rtol, _SHARE * rtol, max_unknowns
+            scene, frictions.tolist(), loads.tolist(), rtol, _SOLVE_FRACTION * rtol, max_unknowns
         )
         cycles = [
             [family.cycle(scene.replace(friction=f), load) for load in loads.tolist()]
@@ -105,10 +105,10 @@ def damping_map(
 
 def _axis(name: str, values: Any) -> Any:
     """Return the values of an axis: one number or a list of them, as an array."""
-    found = np.atleast_1d(np.asarray(checks.reals(name, values, "a list of numbers"), dtype=float))
-    if found.ndim != 1 or found.size == 0:
+    axis = np.atleast_1d(np.asarray(checks.reals(name, values, "a list of numbers"), dtype=float))
+    if axis.ndim != 1 or axis.size == 0:
         raise SceneError(name, values, "a list of numbers")
-    return found
+    return axis
 
 
 def _dataset(
@@ -123,8 +123,8 @@ def _dataset(
 
     variables: dict[str, Any] = {}
     for name, meaning, unit in _NUMBERS:
-        about = {"long_name": meaning, "units": unit}
-        variables[name] = (dims, table(lambda one, name=name: getattr(one, name)), about)
+        attributes = {"long_name": meaning, "units": unit}
+        variables[name] = (dims, table(lambda one, name=name: getattr(one, name)), attributes)
         errors = table(lambda one, name=name: getattr(one.error, name))
         variables[f"{name}_error"] = (dims, errors, {"long_name": f"relative error of {meaning}"})
     variables["converged"] = (dims, table(lambda one: one.converged))

@@ -22,10 +22,10 @@ from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.sweeps.spectra import NormalSpectrum, StickSpectrum
 
 #: Decimal logarithms of the least and the largest compliance of the lattice.
-_LEAST: Final = -14
-_LARGEST: Final = 14
+_LEAST_EXPONENT: Final = -14
+_LARGEST_EXPONENT: Final = 14
 #: Points of the lattice in a decade.
-_DENSITY: Final = 2
+_POINTS_PER_DECADE: Final = 2
 #: Degree for normal contact: its quantities superconverge, and are good to rounding from this on.
 _NORMAL_DEGREE: Final = 10
 #: Degrees for full stick, each with the least tolerance that it is used for. Higher ones have as
@@ -120,27 +120,33 @@ def certified_normal() -> CertifiedNormal:
     return CertifiedNormal(_NORMAL_DEGREE)
 
 
-_kept_stick = bounded_cache("full-stick spectra", 2)(CertifiedStick)
+_cached_stick = bounded_cache("full-stick spectra", 2)(CertifiedStick)
 
 
 def certified_stick(rtol: float) -> CertifiedStick:
     """Return full stick for every pair of compliances, at a degree that suits `rtol` (cached)."""
     degree = next(degree for least, degree in _STICK_DEGREES if rtol >= least)
-    return _kept_stick(degree)
+    return _cached_stick(degree)
 
 
 def _lattice() -> Array:
     """Return the compliances of the lattice."""
-    return np.logspace(_LEAST, _LARGEST, (_LARGEST - _LEAST) * _DENSITY + 1)
+    return np.logspace(
+        _LEAST_EXPONENT,
+        _LARGEST_EXPONENT,
+        (_LARGEST_EXPONENT - _LEAST_EXPONENT) * _POINTS_PER_DECADE + 1,
+    )
 
 
 def _nearest(compliance: Array) -> NDArray[np.intp]:
     """Return the numbers of the nearest points of the lattice."""
-    return np.asarray(np.rint((np.log10(compliance) - _LEAST) * _DENSITY), dtype=np.intp)
+    return np.asarray(
+        np.rint((np.log10(compliance) - _LEAST_EXPONENT) * _POINTS_PER_DECADE), dtype=np.intp
+    )
 
 
 def _widened(fine: Array, rough: Array) -> Array:
     """Return the largest relative difference within a decade around every point of the lattice."""
     with np.errstate(invalid="ignore"):
         difference = np.nan_to_num(np.abs(rough / fine - 1.0), nan=np.inf)
-    return np.asarray(maximum_filter(difference, size=2 * _DENSITY + 1, mode="nearest"))
+    return np.asarray(maximum_filter(difference, size=2 * _POINTS_PER_DECADE + 1, mode="nearest"))

@@ -22,9 +22,9 @@ from spectral_contact.solution import Solution
 from spectral_contact.sweeps.mean_slip import annulus_nodes
 
 #: Points on each panel of `annulus_nodes` at which it is checked, a number that was chosen.
-_NODES: Final = 2
+_NODES_OF_PANEL: Final = 2
 #: Error of the slack over the sum of those of traction and pressure, a number that was chosen.
-_SAFETY: Final = 10.0
+_ERROR_FACTOR: Final = 10.0
 
 
 def admissible_tractions(
@@ -48,21 +48,21 @@ def admissible_tractions(
     from_edge : ndarray
         The distances of these places from the edge.
     """
-    of_loop = float(states[0].scene.friction or 0.0)
+    loop_friction = float(states[0].scene.friction or 0.0)
     low = -limit
     high = limit
     # at the edge of a smooth surface and under infinite friction there is no bound
     bounded = limit < math.inf
-    for one in states:
-        of_state = float(one.scene.friction or 0.0)
-        if of_state == math.inf:
-            of_state = one.critical_friction
-            if not of_loop < of_state < math.inf:
+    for state in states:
+        state_friction = float(state.scene.friction or 0.0)
+        if state_friction == math.inf:
+            state_friction = state.critical_friction
+            if not loop_friction < state_friction < math.inf:
                 continue
-        if of_state == 0.0:  # without friction, and the load would be 0/0
+        if state_friction == 0.0:  # without friction, and the load would be 0/0
             continue
-        load = (of_state - friction) / (of_state + friction)
-        change = (1.0 - load) * np.asarray(one.traction(from_edge=from_edge))
+        load = (state_friction - friction) / (state_friction + friction)
+        change = (1.0 - load) * np.asarray(state.traction(from_edge=from_edge))
         with np.errstate(invalid="ignore"):
             low = np.where(bounded, np.maximum(low, change - load * limit), low)
             high = np.where(bounded, np.minimum(high, change + load * limit), high)
@@ -70,7 +70,7 @@ def admissible_tractions(
 
 
 def forward_slack(states: Sequence[Solution], friction: float) -> float:
-    """Return the slack: how far the bounds of `admissible_tractions` are apart, over f p.
+    """Return the slack: the distance between the bounds of `admissible_tractions`, over f p.
 
     It is the least value over all zones. Where the surface slips back the bounds are equal, which
     gives 0; it is negative if at some radius no traction is within the bounds.
@@ -87,7 +87,8 @@ def forward_slack(states: Sequence[Solution], friction: float) -> float:
         return 2.0  # the bounds are -f p and f p
     loop = states[0]
     nodes = [
-        annulus_nodes(zone.inner_from_edge, zone.outer_from_edge, _NODES)[0] for zone in loop.zones
+        annulus_nodes(zone.inner_from_edge, zone.outer_from_edge, _NODES_OF_PANEL)[0]
+        for zone in loop.zones
     ]
     from_edge = np.concatenate(nodes)
     limit = friction * loop.pressure(from_edge=from_edge)
@@ -96,6 +97,6 @@ def forward_slack(states: Sequence[Solution], friction: float) -> float:
 
 
 def slack_rounding(states: Sequence[Solution]) -> float:
-    """Return by how much errors of tractions and pressures may change the slack."""
+    """Return the error of the slack by those of tractions and pressures."""
     errors = [(one.error.traction or 0.0) + (one.error.pressure or 0.0) for one in states]
-    return _SAFETY * (max(errors) + float(np.finfo(float).eps))
+    return _ERROR_FACTOR * (max(errors) + float(np.finfo(float).eps))

@@ -31,33 +31,33 @@ Mask = NDArray[np.bool_]
 if TYPE_CHECKING:
     from spectral_contact.sweeps.chunk import OnLine
 
-#: The functions of the contact radius that are interpolated.
+#: Names of the functions of the contact radius that are interpolated.
 CURVED: Final = ("load", "approach", "stiffness", "indentation_work")
 #: Quantities of normal contact: without elastic coupling friction does not change them.
 _NORMAL: Final = frozenset({*CURVED, "contact_radius"})
 #: The same, and those that need no solve in scenes without friction.
 _FRICTIONLESS: Final = _NORMAL | {"stick_radius", "total_shear"}
 #: Rows of `Columns.values` in which the scenes of a curve may differ, by name.
-_GIVEN: Final = {name: PARAMETERS.index(name) for name in ("load", "approach")}
+_CONTROL_ROWS: Final = {name: PARAMETERS.index(name) for name in ("load", "approach")}
 _ADHESION: Final = PARAMETERS.index("work_of_adhesion")
 
 
-def pressed_alone(columns: Columns, request: Request) -> Mask:
+def on_curves(columns: Columns, request: Request) -> Mask:
     """Return a mask of the scenes that may be on a curve, if numbers of normal contact are asked.
 
     These scenes have a profile that is not flat, no adhesion and no layer law.
     """
-    asked = frozenset(request.quantities)
+    names = frozenset(request.quantities)
     # columns of flat punches have no rows of load and approach
-    is_flat_punch = len(columns.values) <= max(_GIVEN.values())
-    if columns.law or is_flat_punch or not asked <= _FRICTIONLESS:
+    is_flat_punch = len(columns.values) <= max(_CONTROL_ROWS.values())
+    if columns.law or is_flat_punch or not names <= _FRICTIONLESS:
         return np.zeros(len(columns), dtype=bool)
     curved = [one.layer is None and not isinstance(one.profile, Flat) for one in columns.forms]
-    of_curves = np.broadcast_to(curved, len(columns)) & np.isnan(columns.values[_ADHESION])
-    # stick radius and shear are known without friction only; the others do not depend on friction
-    # unless there is elastic coupling
-    known = np.isnan(columns.friction) if asked - _NORMAL else ~columns.coupled
-    return np.asarray(of_curves & known)
+    may_be_on_curve = np.broadcast_to(curved, len(columns)) & np.isnan(columns.values[_ADHESION])
+    # Stick radius and shear are known without friction only. The other quantities do not depend on
+    # friction unless there is elastic coupling.
+    independent_of_friction = np.isnan(columns.friction) if names - _NORMAL else ~columns.coupled
+    return np.asarray(may_be_on_curve & independent_of_friction)
 
 
 def indentation_curves(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices]:
@@ -65,9 +65,9 @@ def indentation_curves(columns: Columns, todo: Indices, request: Request) -> Ite
 
     Each is an array of indices in the order of that load or approach.
     """
-    candidates = todo[pressed_alone(columns[todo], request)]
+    candidates = todo[on_curves(columns[todo], request)]
     forms = columns.forms
-    for k in _GIVEN.values() if len(candidates) else ():
+    for k in _CONTROL_ROWS.values() if len(candidates) else ():
         groups: dict[tuple[float, Profile | None], list[int]] = {}
         for i in candidates[~np.isnan(columns.values[k, candidates])].tolist():
             profile = forms[i if len(forms) > 1 else 0].profile
@@ -77,8 +77,8 @@ def indentation_curves(columns: Columns, todo: Indices, request: Request) -> Ite
                 yield np.array(group)[np.argsort(columns.values[k, group], kind="stable")]
 
 
-def along(columns: Columns, request: Request, solver: OnLine) -> Served:
-    """Return what is known of the scenes of a curve from a few radii that are solved.
+def interpolate_curve(columns: Columns, request: Request, solver: OnLine) -> Served:
+    """Return results of the scenes of a curve, interpolated between a few solved radii.
 
     Parameters
     ----------
@@ -98,28 +98,28 @@ def along(columns: Columns, request: Request, solver: OnLine) -> Served:
     """
     size = len(columns)
     mask = np.zeros(size, dtype=bool)
-    given = next(name for name, k in _GIVEN.items() if not np.isnan(columns.values[k, 0]))
+    given = next(name for name, k in _CONTROL_ROWS.items() if not np.isnan(columns.values[k, 0]))
     ends = [solver.at_scene(i, ("contact_radius",)) for i in (0, size - 1)]
     interval = _ends(ends, size, request.rtol)
     if interval is not None:
         assert ends[0] is not None
         scale = RadiusScale(_profile(ends[0]))
         curve = _PressedCurve(given, scale, Curves(*interval, len(CURVED)))
-        inner = columns.values[_GIVEN[given], 1 : size - 1]
+        inside = columns.values[_CONTROL_ROWS[given], 1 : size - 1]
         while len(curve.curves.nodes) < nodes_allowed(size):
             if curve.curves.settled(request.rtol):
-                found = curve.served(inner, ends[0], request)
-                if all((found.errors[one] <= request.rtol).all() for one in request.quantities):
+                served = curve.served(inside, ends[0], request)
+                if all((served.errors[name] <= request.rtol).all() for name in request.quantities):
                     mask[1 : size - 1] = True
-                    return replace(found, mask=mask)
+                    return replace(served, mask=mask)
             if not curve.grow(solver):
                 break
     return Served(mask, {}, {})
 
 
-def _profile(one: Solution) -> Profile:
-    assert one.scene.profile is not None
-    return one.scene.profile
+def _profile(solution: Solution) -> Profile:
+    assert solution.scene.profile is not None
+    return solution.scene.profile
 
 
 def _ends(solved: list[Solution | None], size: int, rtol: float) -> tuple[float, float] | None:
@@ -128,11 +128,11 @@ def _ends(solved: list[Solution | None], size: int, rtol: float) -> tuple[float,
     None if a solve failed, if the profile has a break between the two radii, or if interpolation
     would take too many nodes.
     """
-    known = [one for one in solved if one is not None]
-    if len(known) < len(solved):
+    solutions = [solution for solution in solved if solution is not None]
+    if len(solutions) < len(solved):
         return None
-    profile = _profile(known[0])
-    first, last = (one.contact_radius for one in known)
+    profile = _profile(solutions[0])
+    first, last = (solution.contact_radius for solution in solutions)
     if not first < last or any(first <= b < last for b in profile.breaks):
         return None
     low, high = map(RadiusScale(profile).place, (first, last))
@@ -164,14 +164,16 @@ class _PressedCurve:
 
     def grow(self, solver: OnLine) -> bool:
         """Add a node: solve at one radius more; return whether that solve converged."""
-        one = solver.with_contact_radius(self.scale.radius(self.curves.next()), CURVED)
-        if one is None:
+        solution = solver.with_contact_radius(self.scale.radius(self.curves.next()), CURVED)
+        if solution is None:
             return False
-        known = np.log([getattr(one, name) for name in self.names])
-        self.curves.add(known, np.array([getattr(one.error, name) for name in self.names]))
+        log_values = np.log([getattr(solution, name) for name in self.names])
+        self.curves.add(
+            log_values, np.array([getattr(solution.error, name) for name in self.names])
+        )
         return True
 
-    def served(self, given: Array, one: Solution, request: Request) -> Served:
+    def served(self, control_values: Array, solution: Solution, request: Request) -> Served:
         """Return values and errors of the quantities that are asked for.
 
         Parameters
@@ -182,21 +184,24 @@ class _PressedCurve:
             Of any scene of the curve; has the quantities that are the same in all of them.
         request : Request
         """
-        found = self.curves.where(np.log(given))
-        radius = np.array([self.scale.radius(v) for v in found.places.tolist()])
+        inverted = self.curves.invert(np.log(control_values))
+        radius = np.array([self.scale.radius(v) for v in inverted.places.tolist()])
         slope = np.array([self.scale.derivative(r) for r in radius.tolist()])  # da/dv
         # a radius is rounded, which is as much as an error of v
-        moved = found.moved + ROUNDING * radius / slope
-        lost = found.lost + found.slopes * moved[:, None] + ROUNDING
-        values = {self.given: given, "contact_radius": radius}
-        errors = {self.given: np.zeros(len(given)), "contact_radius": moved * slope / radius}
+        place_errors = inverted.place_errors + ROUNDING * radius / slope
+        value_errors = inverted.value_errors + inverted.slopes * place_errors[:, None] + ROUNDING
+        values = {self.given: control_values, "contact_radius": radius}
+        errors = {
+            self.given: np.zeros(len(control_values)),
+            "contact_radius": place_errors * slope / radius,
+        }
         for j, name in enumerate(self.names[1:]):
-            values[name] = np.exp(found.values[:, j])
-            errors[name] = lost[:, j]
+            values[name] = np.exp(inverted.values[:, j])
+            errors[name] = value_errors[:, j]
         for name in frozenset(request.quantities) - frozenset(values):
-            value = getattr(one, name)
-            values[name] = np.full(len(given), np.nan if value is None else value)
-            errors[name] = np.zeros(len(given))
-        asked = request.quantities
-        mask = np.ones(len(given), dtype=bool)
-        return Served(mask, {k: values[k] for k in asked}, {k: errors[k] for k in asked})
+            value = getattr(solution, name)
+            values[name] = np.full(len(control_values), np.nan if value is None else value)
+            errors[name] = np.zeros(len(control_values))
+        names = request.quantities
+        mask = np.ones(len(control_values), dtype=bool)
+        return Served(mask, {k: values[k] for k in names}, {k: errors[k] for k in names})

@@ -22,7 +22,13 @@ import numpy as np
 
 from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields import Array
-from spectral_contact.fields.curves import LEAST, Curves, Placed, nodes_allowed, nodes_needed
+from spectral_contact.fields.curves import (
+    LEAST,
+    Curves,
+    InvertedCurves,
+    nodes_allowed,
+    nodes_needed,
+)
 from spectral_contact.fields.shakedown import shakedown
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.request import Request, Served
@@ -32,9 +38,14 @@ if TYPE_CHECKING:
     from spectral_contact.sweeps.chunk import OnLine
 
 #: Quantities that are proportional to the modulus of kappa at the same ``f/kappa``.
-_AS_KAPPA: Final = frozenset({"edge_ratio", "critical_friction"})
-#: Quantities that are known of all scenes of a line.
-_KNOWN: Final = _AS_KAPPA | {"approach", "stick_radius", "total_shear", "shakedown_ratio"}
+_PROPORTIONAL_TO_KAPPA: Final = frozenset({"edge_ratio", "critical_friction"})
+#: Quantities that can be interpolated along a line.
+_LINE_QUANTITIES: Final = _PROPORTIONAL_TO_KAPPA | {
+    "approach",
+    "stick_radius",
+    "total_shear",
+    "shakedown_ratio",
+}
 
 
 def lines(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices]:
@@ -43,23 +54,27 @@ def lines(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices
     Each is an array of indices in the order of rising ``f/kappa``. Scenes with elastic coupling are
     in none.
     """
-    if not frozenset(request.quantities) <= _KNOWN:
+    if not frozenset(request.quantities) <= _LINE_QUANTITIES:
         return
     friction = columns.friction[todo]
     slips = (friction > 0.0) & (friction < np.inf) & (columns.kappa[todo] != 0.0)
-    own = todo[slips & ~columns.coupled[todo] & columns.at_largest_load[todo]]
+    candidates = todo[slips & ~columns.coupled[todo] & columns.at_largest_load[todo]]
     with np.errstate(over="ignore"):  # a friction of any size
-        ratio = columns.friction[own] / np.abs(columns.kappa[own])
+        ratio = columns.friction[candidates] / np.abs(columns.kappa[candidates])
     # by alpha, then beta, then f/kappa: lexsort takes the first criterion last
-    own = own[np.lexsort([ratio, columns.beta[own], columns.alpha[own]])]
-    differs = (np.diff(columns.alpha[own]) != 0.0) | (np.diff(columns.beta[own]) != 0.0)
-    for line in np.split(own, np.flatnonzero(differs) + 1):
+    candidates = candidates[
+        np.lexsort([ratio, columns.beta[candidates], columns.alpha[candidates]])
+    ]
+    differs = (np.diff(columns.alpha[candidates]) != 0.0) | (
+        np.diff(columns.beta[candidates]) != 0.0
+    )
+    for line in np.split(candidates, np.flatnonzero(differs) + 1):
         if len(line) >= LEAST:
             yield line
 
 
-def between(columns: Columns, request: Request, solver: OnLine) -> Served:
-    """Return what is known of the scenes of a line from a few that are solved.
+def interpolate_line(columns: Columns, request: Request, solver: OnLine) -> Served:
+    """Return results of the scenes of a line, interpolated between a few that are solved.
 
     Parameters
     ----------
@@ -88,55 +103,61 @@ def between(columns: Columns, request: Request, solver: OnLine) -> Served:
     if ends is None:
         return nothing
     size = ends.size
-    one = ends.solution
-    inner = slice(1, size - 1)
-    most = nodes_allowed(size)
+    first = ends.solution
+    inside = slice(1, size - 1)
+    most_nodes = nodes_allowed(size)
     low, high = ends.logits
-    if nodes_needed(low, high, request.rtol) > most:
+    if nodes_needed(low, high, request.rtol) > most_nodes:
         return nothing
     # the functions ln(f/kappa) and ln(Q/f) of the logit
     curves = Curves(low, high, 2)
-    while curves.nodes.size < most:
+    while curves.nodes.size < most_nodes:
         if curves.settled(request.rtol):
-            values, errors = _disks(curves.where(np.log(ratio[inner])))
-            values["total_shear"] *= friction[inner] * np.sign(columns.kappa[inner])
+            values, errors = _disks(curves.invert(np.log(ratio[inside])))
+            values["total_shear"] *= friction[inside] * np.sign(columns.kappa[inside])
             values["shakedown_ratio"], errors["shakedown_ratio"] = shakedown(
-                one.critical_friction / abs(one.scene.kappa),
-                one.error.critical_friction or 0.0,
-                ratio[inner],
+                first.critical_friction / abs(first.scene.kappa),
+                first.error.critical_friction or 0.0,
+                ratio[inside],
             )
-            # what does not depend on friction is that of the first scene
+            # quantities that do not depend on friction are those of the first scene
             for name in frozenset(request.quantities) - frozenset(values):
-                scale = kappa[inner] / abs(one.scene.kappa) if name in _AS_KAPPA else 1.0
-                values[name] = np.full(size - 2, float(getattr(one, name))) * scale
-                errors[name] = np.full(size - 2, float(getattr(one.error, name)))
-            asked = request.quantities
+                scale = (
+                    kappa[inside] / abs(first.scene.kappa)
+                    if name in _PROPORTIONAL_TO_KAPPA
+                    else 1.0
+                )
+                values[name] = np.full(size - 2, float(getattr(first, name))) * scale
+                errors[name] = np.full(size - 2, float(getattr(first.error, name)))
+            names = request.quantities
             # next to the critical friction the shakedown ratio has fewer digits than rtol, also if
             # the scene is solved
-            checked = frozenset(asked) - {"shakedown_ratio"}
+            checked = frozenset(names) - {"shakedown_ratio"}
             if all((errors[name] <= request.rtol).all() for name in checked):
-                mask[inner] = True
-                return Served(mask, {k: values[k] for k in asked}, {k: errors[k] for k in asked})
-        found = solver.with_stick_radius(curves.next())
-        if found is None:
+                mask[inside] = True
+                return Served(mask, {k: values[k] for k in names}, {k: errors[k] for k in names})
+        node = solver.with_stick_radius(curves.next())
+        if node is None:
             break
-        # of the first scene, for which the friction was solved
-        known = np.log([found.friction / kappa[0], found.total_shear / found.friction])
-        curves.add(known, np.array([found.friction_error, found.shear_error]))
+        # `node` is for the kappa of the first scene
+        log_values = np.log([node.friction / kappa[0], node.total_shear / node.friction])
+        curves.add(log_values, np.array([node.friction_error, node.shear_error]))
     return nothing
 
 
-def _disks(found: Placed) -> tuple[dict[str, Array], dict[str, Array]]:
+def _disks(inverted: InvertedCurves) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return stick radii and, as total shears, ``Q/f``, with the estimates of their errors."""
-    logit = found.places
-    moved = found.moved
+    logit = inverted.places
+    logit_errors = inverted.place_errors
     # c**2 and 1 - c**2: the relative error of c is (1 - c**2)/2 times the error of the logit
     z = 1.0 / (1.0 + np.exp(-logit))
     y = 1.0 / (1.0 + np.exp(logit))
-    values = {"stick_radius": np.sqrt(z), "total_shear": np.exp(found.values[:, 0])}
+    values = {"stick_radius": np.sqrt(z), "total_shear": np.exp(inverted.values[:, 0])}
     errors = {
-        "stick_radius": 0.5 * y * moved + ROUNDING,
-        "total_shear": found.lost[:, 0] + found.slopes[:, 0] * moved + ROUNDING,
+        "stick_radius": 0.5 * y * logit_errors + ROUNDING,
+        "total_shear": inverted.value_errors[:, 0]
+        + inverted.slopes[:, 0] * logit_errors
+        + ROUNDING,
     }
     return values, errors
 
@@ -173,36 +194,37 @@ def _ends(ratio: Array, edge_may_stick: bool, solver: OnLine) -> _Ends | None:
             first = solved[0]
             if 0.0 < first.edge_ratio < ratio[i] * abs(first.scene.kappa):
                 return False
-        more: tuple[str, ...] = ("stick_radius", "zones", "critical_friction")
+        extra_quantities: tuple[str, ...] = ("stick_radius", "zones", "critical_friction")
         if edge_may_stick:
-            more = (*more, "edge_ratio")
-        found = solver.at_scene(i, more)
-        if found is None or tuple(zone.kind for zone in found.zones) != ("stick", "slip"):
+            extra_quantities = (*extra_quantities, "edge_ratio")
+        solution = solver.at_scene(i, extra_quantities)
+        if solution is None or tuple(zone.kind for zone in solution.zones) != ("stick", "slip"):
             return False
-        solved[i] = found
+        solved[i] = solution
         return True
 
     last = 0
-    beyond = len(ratio) - 1
+    above = len(ratio) - 1
     if not has_one_disk(last):
         return None
-    # where one disk is right at two frictions, it is right between: the last one is bisected for
-    if has_one_disk(beyond):
-        last = beyond
+    # Where one disk is right at two frictions, it is right between. So the last scene with one
+    # disk is found by bisection.
+    if has_one_disk(above):
+        last = above
     elif has_one_disk(LEAST - 1):
         last = LEAST - 1
     else:
         return None
-    while beyond - last > 1:
-        middle = (last + beyond) // 2
+    while above - last > 1:
+        middle = (last + above) // 2
         if has_one_disk(middle):
             last = middle
         else:
-            beyond = middle
+            above = middle
     disks = [solved[i].zones[0] for i in (0, last)]
-    z = np.array([one.outer**2 for one in disks])
+    z = np.array([disk.outer**2 for disk in disks])
     # 1 - c**2 without cancellation
-    y = np.array([one.outer_from_edge * (1.0 + one.outer) for one in disks])
+    y = np.array([disk.outer_from_edge * (1.0 + disk.outer) for disk in disks])
     if not (np.minimum(z, y) > 0.0).all():
         return None
     low, high = np.log(z / y).tolist()

@@ -28,29 +28,30 @@ from spectral_contact.solution import Solution
 ASKED: Final = ("approach", "pressure", "traction", "slip", "zones", "stick_radius", "total_shear")
 #: Degrees that are tried on a panel: the Chebyshev nodes of each are among those of the next.
 _DEGREES: Final = (8, 16)
-#: Widths of panels in tau, chosen: the largest, which the first panel has, and about the smallest.
+#: Largest width of a panel in tau, which the first panel has; chosen.
 _WIDTH: Final = 2.0
+#: Panels wider than twice this may be halved; chosen.
 _NARROWEST: Final = 0.02
 #: Width in tau to which a threshold is located by bisection: so short that ln A is a parabola on
 #: it.
 _BRACKET: Final = 2e-3
 #: A threshold so close behind the start of a panel, in tau, is taken to be at the start.
 _AT_START: Final = 1e-9
-#: The error of a series is estimated by the largest of this many last coefficients, times
-#: `_SAFETY`.
-_LAST: Final = 3
+#: The error of a series is estimated by the largest of this many last coefficients times `_SAFETY`.
+_LAST_COEFFICIENTS: Final = 3
 #: Factor of the estimates of errors.
 _SAFETY: Final = 2.0
-#: Most panels.
-_PANELS: Final = 60
-#: Gauss points of the quadrature over a zone, on each panel, and of the one it is compared with.
-_POINTS: Final = 16
-_FEWER: Final = 12
+#: Largest number of panels of a curve.
+_MOST_PANELS: Final = 60
+#: Gauss points on each panel of the quadrature over a zone.
+_QUADRATURE_POINTS: Final = 16
+#: The same of the coarser quadrature, whose difference is the error.
+_FEWER_POINTS: Final = 12
 #: Panels of that quadrature on each half of a zone, besides the one next to the end. In the root of
 #: the distance from the end, the farther end of each is e times as far as that of the one before.
-_FOLDS: Final = 32
+_PANELS_OF_HALF: Final = 32
 #: Gauss points of an integral over friction, on pieces: see `MeanSlipCurve._pieces`.
-_INNER: Final = 20
+_INTEGRAL_POINTS: Final = 20
 
 
 class ValueWithError(NamedTuple):
@@ -77,11 +78,11 @@ def mean_slip(solution: Solution) -> ValueWithError:
     for zone in solution.zones:
         if zone.kind != "slip":
             continue
-        for points in (_POINTS, _FEWER):
+        for points in (_QUADRATURE_POINTS, _FEWER_POINTS):
             from_edge, area = annulus_nodes(zone.inner_from_edge, zone.outer_from_edge, points)
             slip = np.abs(solution.slip(from_edge=from_edge))
             load = 2.0 * np.pi * solution.pressure(from_edge=from_edge) * area
-            if points == _POINTS:
+            if points == _QUADRATURE_POINTS:
                 value += float(load @ slip)
                 weight += float(load.sum())
                 largest = max(largest, float(slip.max()))
@@ -90,9 +91,9 @@ def mean_slip(solution: Solution) -> ValueWithError:
     if value == 0.0:  # without slip, or with less than a digit of it
         return ValueWithError(0.0, math.inf if solution.error.slip else 0.0)
     # the error of the slip is relative to its largest modulus
-    of_slip = (solution.error.slip or 0.0) * largest * weight / value
-    of_quadrature = abs(value - with_fewer) / value
-    return ValueWithError(value, of_quadrature + of_slip + (solution.error.pressure or 0.0))
+    slip_error = (solution.error.slip or 0.0) * largest * weight / value
+    quadrature_error = abs(value - with_fewer) / value
+    return ValueWithError(value, quadrature_error + slip_error + (solution.error.pressure or 0.0))
 
 
 def annulus_nodes(
@@ -111,7 +112,7 @@ def annulus_nodes(
         Of the rule on each panel.
     """
     x, w = leggauss(points)
-    ends = np.append(0.0, np.exp(-np.arange(_FOLDS, -1.0, -1.0)))
+    ends = np.append(0.0, np.exp(-np.arange(_PANELS_OF_HALF, -1.0, -1.0)))
     root = (ends[:-1, None] + np.diff(ends)[:, None] * (x + 1.0) / 2.0).ravel()
     weight = (np.diff(ends)[:, None] * w / 2.0).ravel()
     half = (inner_from_edge - outer_from_edge) / 2.0
@@ -167,7 +168,7 @@ class MeanSlipCurve:
     Attributes
     ----------
     states : list of Solution
-        What was solved, by rising friction.
+        Solutions by rising friction.
     """
 
     def __init__(
@@ -188,17 +189,17 @@ class MeanSlipCurve:
         self._panels: list[_SeriesPanel] = []
         #: the ends of the short intervals of tau in which zones appear or vanish, by their starts
         self._thresholds: dict[float, float] = {}
-        #: a bound of the integral of A beyond the last panel
-        self._beyond = 0.0
+        #: an estimate of the integral of A beyond the last panel
+        self._remainder = 0.0
         if lowest < critical:
-            self._build(self._place(highest), rtol)
+            self._build(self._tau(highest), rtol)
 
     @property
     def states(self) -> list[Solution]:
-        """Return what was solved, by rising friction."""
+        """Return the solutions by rising friction."""
         return [self._solved[tau][0] for tau in sorted(self._solved)]
 
-    def _place(self, friction: float) -> float:
+    def _tau(self, friction: float) -> float:
         """Return the tau of a friction."""
         if self._critical == math.inf:
             return math.log1p((friction - self._lowest) / self._scale)
@@ -209,7 +210,8 @@ class MeanSlipCurve:
         if self._critical == math.inf:
             return np.asarray(self._lowest + self._scale * np.expm1(tau))
         width = self._critical - self._lowest
-        # counted from the lowest friction next to it, and from R next to R, neither cancels
+        # next to the lowest friction the result is a small step from it, next to R one from R, so
+        # that neither difference cancels
         from_lowest = self._lowest - width * np.expm1(-tau)
         return np.where(tau < 0.5, from_lowest, self._critical - width * np.exp(-tau))
 
@@ -219,7 +221,7 @@ class MeanSlipCurve:
             return np.asarray(self._scale * np.exp(tau))
         return np.asarray((self._critical - self._lowest) * np.exp(-tau))
 
-    def _mean(self, tau: float) -> ValueWithError:
+    def _mean_slip(self, tau: float) -> ValueWithError:
         """Return the mean slip at tau, solved once; its error is infinite without valid zones."""
         if tau not in self._solved:
             solution = self._solve(float(self._friction(np.array(tau))))
@@ -231,40 +233,48 @@ class MeanSlipCurve:
 
     def _density(self, tau: float) -> float:
         """Return the integrand over tau: A times the derivative of the friction."""
-        return self._mean(tau).value * float(self._slope(np.array(tau)))
+        return self._mean_slip(tau).value * float(self._slope(np.array(tau)))
 
     def _build(self, last: float, rtol: float) -> None:
         """Add panels until what is beyond them is negligible in integrals from `last` on."""
         start = 0.0
         width = _WIDTH
         density_at_last = self._density(last)
-        while len(self._panels) < _PANELS:
-            here = self._density(start)
-            if not self._mean(start).error < 1.0:  # next to R, where no digit of the slip is known
-                self._beyond = here * _WIDTH
+        while len(self._panels) < _MOST_PANELS:
+            density_at_start = self._density(start)
+            if (
+                not self._mean_slip(start).error < 1.0
+            ):  # next to R, where no digit of the slip is known
+                self._remainder = density_at_start * _WIDTH
                 break
             # where A has fallen, fewer digits of it are needed
-            share = min(here / density_at_last, 1.0) if density_at_last > 0.0 else 1.0
+            fraction = (
+                min(density_at_start / density_at_last, 1.0) if density_at_last > 0.0 else 1.0
+            )
             at_threshold = start in self._thresholds
             if at_threshold:
                 panel: _SeriesPanel | float = self._threshold_panel(start)
             else:
-                panel = self._panel(start, start + width, min(rtol / share, 1e-3))
+                panel = self._panel(start, start + width, min(rtol / fraction, 1e-3))
             if not isinstance(panel, _SeriesPanel):
                 width = panel
                 continue
             self._panels.append(panel)
-            after = self._density(panel.stop)
+            density_at_stop = self._density(panel.stop)
             length = panel.stop - panel.start
             # the integrand falls on as fast as on this panel, by exp(-decay tau)
-            decay = math.log(here / after) / length if 0.0 < after < here else 1.0 / length
-            self._beyond = after / decay
-            if panel.stop >= last and self._beyond <= 0.1 * rtol * density_at_last:
+            decay = (
+                math.log(density_at_start / density_at_stop) / length
+                if 0.0 < density_at_stop < density_at_start
+                else 1.0 / length
+            )
+            self._remainder = density_at_stop / decay
+            if panel.stop >= last and self._remainder <= 0.1 * rtol * density_at_last:
                 break
             width = _WIDTH / 4.0 if at_threshold else min(2.0 * width, _WIDTH)
             start = panel.stop
         else:
-            self._beyond = math.inf
+            self._remainder = math.inf
 
     def _panel(self, start: float, stop: float, tolerance: float) -> _SeriesPanel | float:
         """Return the series on a panel, or the width of a narrower panel to be tried instead.
@@ -275,20 +285,20 @@ class MeanSlipCurve:
         for degree in _DEGREES:
             local = -np.cos(np.pi * np.arange(degree + 1) / degree)
             taus = [start, *(start + (stop - start) * (local[1:-1] + 1.0) / 2.0).tolist(), stop]
-            means = [self._mean(tau) for tau in taus]
+            means = [self._mean_slip(tau) for tau in taus]
             threshold = self._threshold(taus)
             if threshold is not None:
                 return threshold - start
-            values = np.array([one.value for one in means])
+            values = np.array([mean.value for mean in means])
             if not (values > 0.0).all():
                 break
             terms = chebyshev.chebfit(local, np.log(values), degree)
-            truncation = _SAFETY * float(np.abs(terms[-_LAST:]).max())
-            of_solves = max(one.error for one in means)
-            if not of_solves < 1.0:
+            truncation = _SAFETY * float(np.abs(terms[-_LAST_COEFFICIENTS:]).max())
+            solve_error = max(mean.error for mean in means)
+            if not solve_error < 1.0:
                 break
-            if truncation <= max(tolerance, of_solves):
-                return _SeriesPanel(start, stop, terms, truncation + _SAFETY * of_solves)
+            if truncation <= max(tolerance, solve_error):
+                return _SeriesPanel(start, stop, terms, truncation + _SAFETY * solve_error)
         if stop - start > 2.0 * _NARROWEST:
             return (stop - start) / 2.0
         logs = np.log(np.maximum(values, np.finfo(float).tiny))
@@ -296,7 +306,7 @@ class MeanSlipCurve:
 
     def _zones(self, tau: float) -> list[str]:
         """Return the kinds of the zones at tau, from the centre."""
-        self._mean(tau)
+        self._mean_slip(tau)
         return [zone.kind for zone in self._solved[tau][0].zones]
 
     def _threshold(self, taus: list[float]) -> float | None:
@@ -324,11 +334,11 @@ class MeanSlipCurve:
         """Return the panel on which zones appear or vanish: so short that ln A is a parabola."""
         stop = self._thresholds[start]
         local = np.array([-1.0, 0.0, 1.0])
-        means = [self._mean(tau) for tau in (start, (start + stop) / 2.0, stop)]
-        values = np.maximum([one.value for one in means], np.finfo(float).tiny)
+        means = [self._mean_slip(tau) for tau in (start, (start + stop) / 2.0, stop)]
+        values = np.maximum([mean.value for mean in means], np.finfo(float).tiny)
         terms = chebyshev.chebfit(local, np.log(values), 2)
-        of_solves = max(one.error for one in means)
-        return _SeriesPanel(start, stop, terms, _SAFETY * (abs(float(terms[2])) + of_solves))
+        solve_error = max(mean.error for mean in means)
+        return _SeriesPanel(start, stop, terms, _SAFETY * (abs(float(terms[2])) + solve_error))
 
     def integrate(
         self, weight: Callable[[Array], Array], friction: float, step: float
@@ -350,28 +360,38 @@ class MeanSlipCurve:
             The error is absolute.
         """
         value = error = 0.0
-        x, w = leggauss(_INNER)
-        first = self._place(friction)
+        x, w = leggauss(_INTEGRAL_POINTS)
+        first = self._tau(friction)
         for panel, (start, stop) in self._pieces(first, step):
             # tau less that of the lower end
-            ahead = start + (stop - start) * (x + 1.0) / 2.0
-            tau = first + ahead
+            tau_increment = start + (stop - start) * (x + 1.0) / 2.0
+            tau = first + tau_increment
             density = self._slope(tau) * panel.mean(tau)
-            terms = (stop - start) / 2.0 * w * density * weight(self._difference(first, ahead))
+            terms = (
+                (stop - start)
+                / 2.0
+                * w
+                * density
+                * weight(self._friction_increment(first, tau_increment))
+            )
             value += float(terms.sum())
             error += float(terms.sum()) * panel.error
-        if self._beyond > 0.0:
+        if self._remainder > 0.0:
             last = max(self._panels[-1].stop - first if self._panels else 0.0, 0.0)
-            error += self._beyond * float(weight(self._difference(first, np.array([last])))[0])
+            error += self._remainder * float(
+                weight(self._friction_increment(first, np.array([last])))[0]
+            )
         return ValueWithError(value, error)
 
-    def _difference(self, first: float, ahead: Array) -> Array:
+    def _friction_increment(self, first: float, tau_increment: Array) -> Array:
         """Return by how much the friction rises from `first` to `first + ahead`, both in tau.
 
-        As a difference of two frictions it would cancel.
+        The difference of the two frictions would cancel.
         """
         slope = self._slope(np.array(first))
-        return slope * (np.expm1(ahead) if self._critical == math.inf else -np.expm1(-ahead))
+        return slope * (
+            np.expm1(tau_increment) if self._critical == math.inf else -np.expm1(-tau_increment)
+        )
 
     def _pieces(
         self, first: float, step: float
@@ -381,11 +401,11 @@ class MeanSlipCurve:
         The ends are those of panels, and about where the friction is `step`, 2 `step`, 4 `step` ...
         above that at `first`, so that the weight is smooth on every piece.
         """
-        fine = step / float(self._slope(np.array(first))) * 2.0 ** np.arange(60)
+        doublings = step / float(self._slope(np.array(first))) * 2.0 ** np.arange(60)
         for panel in self._panels:
             start, stop = max(panel.start - first, 0.0), panel.stop - first
             if start >= stop:
                 continue
-            inner = fine[(fine > start) & (fine < stop)].tolist()
+            inner = doublings[(doublings > start) & (doublings < stop)].tolist()
             for piece in pairwise([start, *inner, stop]):
                 yield panel, piece

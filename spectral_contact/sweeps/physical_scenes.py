@@ -49,7 +49,7 @@ SI_UNITS: Final[Mapping[str, str]] = {
         *PARAMETERS[1:],
     )
 }
-#: Those that no dimensionless scene has.
+#: The parameters of these that no dimensionless scene has.
 OF_SI_ALONE: Final = tuple(name for name in SI_UNITS if name not in PARAMETERS)
 #: Meanings and SI units of results.
 _RESULTS: Final[Mapping[str, tuple[str, str]]] = {
@@ -67,10 +67,10 @@ _RESULTS: Final[Mapping[str, tuple[str, str]]] = {
 }
 #: Name of the radius of a flat punch, or of a profile that has a radius.
 _RADIUS: Final = "radius"
-#: What is appended to the name of a number in SI units that has a dimensionless namesake.
-_SI: Final = "_si"
-#: The most scenes of a grid in SI units or of a table: each is a `Scene` in memory.
-_MOST: Final = 10**6
+#: Suffix of the name of a number in SI units that has a dimensionless namesake.
+_SI_SUFFIX: Final = "_si"
+#: Largest number of scenes of a grid in SI units or of a table: each is a `Scene` in memory.
+_MOST_SCENES: Final = 10**6
 
 
 class DifferentScenes(NamedTuple):
@@ -136,8 +136,8 @@ class PhysicalScenes:
 
         It has the suffix "_si" where a parameter without units has the same name and another value.
         """
-        alike = name in ("poisson_ratio", "friction", "unloaded_to") or name in OF_SI_ALONE
-        return name if alike or not self.physical else f"{name}{_SI}"
+        same_value = name in ("poisson_ratio", "friction", "unloaded_to") or name in OF_SI_ALONE
+        return name if same_value or not self.physical else f"{name}{_SI_SUFFIX}"
 
     def different(self) -> DifferentScenes:
         """Return all scenes, and those of them that are different problems.
@@ -148,16 +148,16 @@ class PhysicalScenes:
         every = listed(self.scenes)
         assert every.table is not None
         forms = every.forms if len(every.forms) > 1 else every.forms * len(self.scenes)
-        places: dict[Any, int] = {}
-        first: list[Scene] = []
+        numbers: dict[Any, int] = {}
+        representatives: list[Scene] = []
         which = np.empty(len(self.scenes), dtype=np.intp)
         for i, (scene, form) in enumerate(zip(self.scenes, forms, strict=True)):
             key = every.table[:, i].tobytes(), form
-            if key not in places:
-                places[key] = len(first)
-                first.append(scene)
-            which[i] = places[key]
-        return DifferentScenes(every, listed(first), which)
+            if key not in numbers:
+                numbers[key] = len(representatives)
+                representatives.append(scene)
+            which[i] = numbers[key]
+        return DifferentScenes(every, listed(representatives), which)
 
     def shaped(self, dataset: xarray.Dataset) -> xarray.Dataset:
         """Return a dataset with the dimensions and coordinates of these scenes.
@@ -169,19 +169,23 @@ class PhysicalScenes:
         """
         variables: dict[Any, Any] = {}
         coordinates: dict[Any, Any] = {}
-        for name, one in dataset.variables.items():
-            values = np.asarray(one.values)
-            dims = one.dims
+        for name, variable in dataset.variables.items():
+            values = np.asarray(variable.values)
+            dims = variable.dims
             if dims[:1] == ("scene",):
                 constant = name in dataset.coords and not self.is_table and _is_constant(values)
                 dims = () if constant else (*self.dims, *dims[1:])
                 values = values[0] if constant else values.reshape((*self.shape, *values.shape[1:]))
-            (coordinates if name in dataset.coords else variables)[name] = dims, values, one.attrs
+            (coordinates if name in dataset.coords else variables)[name] = (
+                dims,
+                values,
+                variable.attrs,
+            )
         coordinates |= self._coordinates()
         # a parameter that is given is no result: it is a coordinate
         variables = {
-            name: one
-            for name, one in variables.items()
+            name: variable
+            for name, variable in variables.items()
             if name.removesuffix("_error") not in coordinates
         }
         attributes = dict(dataset.attrs)
@@ -195,22 +199,22 @@ class PhysicalScenes:
 
     def _coordinates(self) -> dict[Any, Any]:
         """Return the parameters that vary and, in SI units, those that do not, as coordinates."""
-        found: dict[Any, Any] = {}
+        coordinates: dict[Any, Any] = {}
         for name, value in self.fixed.items():
-            found[self._named(name)] = (), value, self._about(name)
+            coordinates[self._named(name)] = (), value, self._attributes(name)
         for name, values in self.given.items():
             dims = ("scene",) if self.is_table else (self._named(name),)
-            found[self._named(name)] = dims, values, self._about(name)
-        return found
+            coordinates[self._named(name)] = dims, values, self._attributes(name)
+        return coordinates
 
-    def _about(self, name: str) -> dict[str, str]:
+    def _attributes(self, name: str) -> dict[str, str]:
         """Return meaning and unit of a parameter."""
         profile = self.scenes[0].profile
-        about = (SI if self.physical and name in SI else SCENE)[name]
+        parameter = (SI if self.physical and name in SI else SCENE)[name]
         if name == _RADIUS and profile is not None:
-            about = parameters_of(type(profile))[name]
-        unit = about.unit if self.physical else ""
-        return {"long_name": about.meaning, **({"units": unit} if unit else {})}
+            parameter = parameters_of(type(profile))[name]
+        unit = parameter.unit if self.physical else ""
+        return {"long_name": parameter.meaning, **({"units": unit} if unit else {})}
 
 
 def grid_of(base: Scene, axes: Mapping[str, Any]) -> PhysicalScenes:
@@ -229,23 +233,23 @@ def grid_of(base: Scene, axes: Mapping[str, Any]) -> PhysicalScenes:
         For a value out of its range, or more than a million scenes.
     """
     given = {name: _numbers(name, values) for name, values in axes.items()}
-    pressed = [name for name in given if name in ALL_CONTROLS]
-    if len(pressed) > 1:
-        told = f"left out if {pressed[1]} is given: vary one of load, approach, contact radius"
-        raise SceneError(pressed[0], axes[pressed[0]], told)
+    controls = [name for name in given if name in ALL_CONTROLS]
+    if len(controls) > 1:
+        allowed = f"left out if {controls[1]} is given: vary one of load, approach, contact radius"
+        raise SceneError(controls[0], axes[controls[0]], allowed)
     count = math.prod(map(len, given.values()))
-    if count > _MOST:
-        raise SceneError("number of scenes", count, f"at most {_MOST} in SI units")
-    places = np.unravel_index(np.arange(count), tuple(map(len, given.values()))) if given else ()
-    columns = [values[place] for values, place in zip(given.values(), places, strict=True)]
+    if count > _MOST_SCENES:
+        raise SceneError("number of scenes", count, f"at most {_MOST_SCENES} in SI units")
+    positions = np.unravel_index(np.arange(count), tuple(map(len, given.values()))) if given else ()
+    columns = [values[position] for values, position in zip(given.values(), positions, strict=True)]
     scenes = _changed(base, list(given), columns, count)
     return PhysicalScenes(scenes, given, _fixed(base, given), is_table=False)
 
 
 def list_of(scenes: Iterable[Scene]) -> PhysicalScenes:
     """Return the scenes of a list, all in SI units."""
-    several = tuple(scenes)
-    rows = [_given_in_si(one) for one in several]
+    listed_scenes = tuple(scenes)
+    rows = [_given_in_si(scene) for scene in listed_scenes]
     given: dict[str, Array] = {}
     fixed: dict[str, float] = {}
     for name in SI_UNITS:
@@ -258,7 +262,7 @@ def list_of(scenes: Iterable[Scene]) -> PhysicalScenes:
             fixed[name] = float(values[0])
         else:
             given[name] = values
-    return PhysicalScenes(several, given, fixed, is_table=True)
+    return PhysicalScenes(listed_scenes, given, fixed, is_table=True)
 
 
 def table_of(base: Scene, table: Any) -> PhysicalScenes:
@@ -278,12 +282,12 @@ def table_of(base: Scene, table: Any) -> PhysicalScenes:
     SolutionFileError
         If it has no column of a parameter, or cannot be read.
     """
-    columns, told = columns_of(table, physical=base.physical is not None)
+    columns, read_as = columns_of(table, physical=base.physical is not None)
     count = len(next(iter(columns.values())))
-    if count > _MOST:
-        raise SceneError("number of scenes", count, f"at most {_MOST} of a table")
+    if count > _MOST_SCENES:
+        raise SceneError("number of scenes", count, f"at most {_MOST_SCENES} of a table")
     scenes = _changed(base, list(columns), list(columns.values()), count, of_table=True)
-    return PhysicalScenes(scenes, columns, _fixed(base, columns), is_table=True, read_as=told)
+    return PhysicalScenes(scenes, columns, _fixed(base, columns), is_table=True, read_as=read_as)
 
 
 def columns_of(
@@ -343,9 +347,11 @@ def with_values(base: Scene, values: Mapping[str, Any]) -> Scene:
     if base.physical is None or base.profile is None or values.get(_RADIUS) is None:
         return base.replace(**values)
     if _RADIUS not in parameters_of(type(base.profile)):
-        having = [kind for kind, cls in KINDS.items() if _RADIUS in parameters_of(cls)]
-        told = f"None with {base.profile.brief}, which has none, unlike {', '.join(having)}"
-        raise SceneError(_RADIUS, values[_RADIUS], told)
+        kinds_with_radius = [kind for kind, cls in KINDS.items() if _RADIUS in parameters_of(cls)]
+        allowed = (
+            f"None with {base.profile.brief}, which has none, unlike {', '.join(kinds_with_radius)}"
+        )
+        raise SceneError(_RADIUS, values[_RADIUS], allowed)
     radius = in_si(_RADIUS, values[_RADIUS], SI_UNITS[_RADIUS])
     others = {name: one for name, one in values.items() if name != _RADIUS}
     shape: Any = base.profile
@@ -364,12 +370,14 @@ def _fixed(base: Scene, given: Mapping[str, Any]) -> dict[str, float]:
     """Return the parameters of scenes in SI units that do not vary."""
     if base.physical is None:
         return {}
-    pressed = not set(ALL_CONTROLS).isdisjoint(given)  # a load takes the place of an approach
-    known = _given_in_si(base).items()
+    varies_control = not set(ALL_CONTROLS).isdisjoint(
+        given
+    )  # a load takes the place of an approach
+    parameters = _given_in_si(base).items()
     return {
         name: value
-        for name, value in known
-        if name not in given and not (pressed and name in ALL_CONTROLS)
+        for name, value in parameters
+        if name not in given and not (varies_control and name in ALL_CONTROLS)
     }
 
 
@@ -385,8 +393,8 @@ def _changed(
         except SceneError as error:
             if not of_table:
                 raise
-            told = f"{error.allowed} (row {number} of the table)"
-            raise SceneError(error.parameter, error.value, told) from None
+            allowed = f"{error.allowed} (row {number} of the table)"
+            raise SceneError(error.parameter, error.value, allowed) from None
     return tuple(scenes)
 
 
@@ -434,8 +442,8 @@ def si_results(
         Its `places` name the dimension along which fields are given.
     """
     data = [one.physical for one in scenes]
-    known = {name: values[name] for name in _RESULTS if name in values}
-    errors = {name: values[f"{name}_error"] for name in known}
+    results = {name: values[name] for name in _RESULTS if name in values}
+    errors = {name: values[f"{name}_error"] for name in results}
     given = {
         name: np.array([_or_nan(one, name) for one in data])
         for name in ("load", "approach", "contact_radius", "radius")
@@ -444,41 +452,45 @@ def si_results(
     with np.errstate(all="ignore"):
         if scenes[0].profile is None:
             ratios = np.array([one.unloaded_to for one in scenes])
-            scales, inherited = _flat_scales(known, errors, given, modulus, ratios)
+            scales, inherited = _flat_scales(results, errors, given, modulus, ratios)
             # scenes are given the approach at the largest load; below it is that of the results
             given["approach"] = ratios * given["approach"]
         else:
-            scales, inherited = _profile_scales(known, errors, given, modulus)
-        found: dict[str, Any] = {}
-        for name in known:
+            scales, inherited = _profile_scales(results, errors, given, modulus)
+        variables: dict[str, Any] = {}
+        for name in results:
             if name not in scales:
                 continue
             places = (request.places,) if name in FIELDS else ()
             scale = scales[name]
-            result = known[name] * (scale[:, None] if places else scale)
+            result = results[name] * (scale[:, None] if places else scale)
             error = errors[name] + inherited.get(name, 0.0)
             if name in ("load", "approach", "contact_radius"):  # what is given is exact
                 is_given = np.isfinite(given[name])
                 result = np.where(is_given, given[name], result)
                 error = np.where(is_given, 0.0, error)
-            found |= _variables(name, ("scene", *places), result, error)
+            variables |= _variables(name, ("scene", *places), result, error)
         if scenes[0].profile is None and "load" in scales:
-            found |= _variables("load", ("scene",), ratios * scales["load"], inherited["load"])
-    return found
+            variables |= _variables("load", ("scene",), ratios * scales["load"], inherited["load"])
+    return variables
 
 
 def _variables(name: str, dims: tuple[str, ...], result: Array, error: Array) -> dict[str, Any]:
     """Return a result and its error as variables of a dataset."""
     meaning, unit = _RESULTS[name]
-    told = f"estimate of the relative error: {meaning}"
+    error_meaning = f"estimate of the relative error: {meaning}"
     return {
-        f"{name}{_SI}": (dims, result, {"long_name": meaning, "units": unit}),
-        f"{name}{_SI}_error": (("scene",), error, {"long_name": told, "units": "1"}),
+        f"{name}{_SI_SUFFIX}": (dims, result, {"long_name": meaning, "units": unit}),
+        f"{name}{_SI_SUFFIX}_error": (
+            ("scene",),
+            error,
+            {"long_name": error_meaning, "units": "1"},
+        ),
     }
 
 
 def _flat_scales(
-    known: dict[str, Array],
+    results: dict[str, Array],
     errors: dict[str, Array],
     given: dict[str, Array],
     modulus: Array,
@@ -492,8 +504,8 @@ def _flat_scales(
     """
     load = given["load"]
     error = np.zeros(len(load))
-    if "approach" in known:
-        largest = known["approach"] / ratios
+    if "approach" in results:
+        largest = results["approach"] / ratios
         by_approach = given["radius"] * modulus * given["approach"] / largest
         load = np.where(np.isfinite(load), load, by_approach)
         error = np.where(np.isfinite(given["load"]), 0.0, errors["approach"])
@@ -505,7 +517,7 @@ def _flat_scales(
 
 
 def _profile_scales(
-    known: dict[str, Array],
+    results: dict[str, Array],
     errors: dict[str, Array],
     given: dict[str, Array],
     modulus: Array,
@@ -516,13 +528,13 @@ def _profile_scales(
     value E'. The unit of the stick radius is the contact radius, which has an error unless it is
     given; the other units are known exactly.
     """
-    of_force = "load", "stiffness", "stiffness_on_branch", "indentation_work", "total_shear"
-    scales = dict.fromkeys((*of_force, "pressure", "traction"), modulus)
+    forces = "load", "stiffness", "stiffness_on_branch", "indentation_work", "total_shear"
+    scales = dict.fromkeys((*forces, "pressure", "traction"), modulus)
     scales |= dict.fromkeys(("approach", "contact_radius", "slip"), np.ones(len(modulus)))
-    if "contact_radius" not in known:
+    if "contact_radius" not in results:
         return scales, {}
     is_given = np.isfinite(given["contact_radius"])
-    scales["stick_radius"] = np.where(is_given, given["contact_radius"], known["contact_radius"])
+    scales["stick_radius"] = np.where(is_given, given["contact_radius"], results["contact_radius"])
     return scales, {"stick_radius": np.where(is_given, 0.0, errors["contact_radius"])}
 
 

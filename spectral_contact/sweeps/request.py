@@ -42,7 +42,7 @@ _KINDS: Final = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Request:
-    """What is asked of every scene.
+    """The quantities, tolerance and radii that are asked for, of every scene.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ def requested(
     adhesive: bool = False,
     unloaded: bool = False,
 ) -> Request:
-    """Return what is asked, checked.
+    """Return the request of a sweep, after checking its parts.
 
     Parameters
     ----------
@@ -124,14 +124,14 @@ def requested(
     """
     if quantities is None:
         scalars = _PROFILE_SCALARS if shaped else SCALARS
-        asked = frozenset((*scalars, *ADHESION_QUANTITIES * adhesive))
+        wanted = frozenset((*scalars, *ADHESION_QUANTITIES * adhesive))
     else:
-        asked = asked_quantities(
+        wanted = asked_quantities(
             quantities, has_profile=shaped, adhesive=adhesive, unloaded=unloaded
         )
-    if not asked:
+    if not wanted:
         raise SceneError("quantities", [], "at least one name")
-    chosen = tuple(one.name for one in OUTPUTS if one.name in asked)
+    chosen = tuple(one.name for one in OUTPUTS if one.name in wanted)
     fields = [name for name in chosen if name in FIELDS]
     rtol = checked_tolerance(rtol, chosen)
     max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
@@ -146,8 +146,8 @@ def _radii(places: str, fields: list[str], s: Any, from_edge: Any) -> tuple[Arra
     """Return the radii at which fields are taken, and their distances from the edge."""
     if s is None and from_edge is None:
         if fields:
-            told = "given with its radii (s= or from_edge=)"
-            raise SceneError("quantities", fields[0], told)
+            allowed = "given with its radii (s= or from_edge=)"
+            raise SceneError("quantities", fields[0], allowed)
         return np.empty(0), np.empty(0)
     radii, distances = checks.radii(s, from_edge)
     given = s if from_edge is None else from_edge
@@ -220,12 +220,12 @@ class Rows:
             self._values[f"{name}_error"] = np.full(count, np.nan)
 
     @property
-    def left(self) -> Indices:
+    def unsolved(self) -> Indices:
         """Places of the scenes that have no results yet."""
         return np.flatnonzero(~self._done)
 
     def take(self, i: int, solution: Solution) -> None:
-        """Keep what was asked of a solution."""
+        """Keep the quantities of a solution that are asked for."""
         request = self._request
         self._done[i] = True
         self._endings[i] = ENDINGS.index(solution.ending.name.lower())
@@ -248,14 +248,14 @@ class Rows:
             elif value is not None:
                 self._values[name][i] = value
 
-    def put(self, scenes: Indices, known: Served) -> None:
-        """Keep what is known of some scenes that took no solve of their own."""
-        own = scenes[known.mask]
-        self._endings[own] = _CONVERGED
-        self._done[own] = True
-        for name in known.values:
-            self._values[name][own] = known.values[name]
-            self._values[f"{name}_error"][own] = known.errors[name]
+    def put(self, scenes: Indices, served: Served) -> None:
+        """Keep the numbers of some scenes that took no solve of their own."""
+        served_scenes = scenes[served.mask]
+        self._endings[served_scenes] = _CONVERGED
+        self._done[served_scenes] = True
+        for name in served.values:
+            self._values[name][served_scenes] = served.values[name]
+            self._values[f"{name}_error"][served_scenes] = served.errors[name]
 
     def fail(self, i: int, error: Exception) -> None:
         """Note that a scene could not be solved."""
@@ -275,9 +275,9 @@ class Rows:
 
 def _zone_columns(count: int, solved: dict[int, Solution]) -> dict[str, NDArray[np.generic]]:
     """Return kind and outer radius of all zones, from the centre on; 0 and NaN where is none."""
-    most = max((len(one.zones) for one in solved.values()), default=0)
-    kinds = np.zeros((count, most), dtype=np.int8)
-    outer = np.full((2, count, most), np.nan)
+    largest_count = max((len(one.zones) for one in solved.values()), default=0)
+    kinds = np.zeros((count, largest_count), dtype=np.int8)
+    outer = np.full((2, count, largest_count), np.nan)
     for i, solution in solved.items():
         for k, zone in enumerate(solution.zones):
             kinds[i, k] = _KINDS[zone.kind, zone.memory or zone.sense < 0]

@@ -1,4 +1,4 @@
-"""Scenes of normal contact and of full stick, which need no solve: the spectra know their numbers.
+"""Scenes of normal contact and of full stick whose numbers follow from spectra, without a solve.
 
 The spectra (`spectra`) are decompositions that serve all compliances, with errors of `error_maps`.
 """
@@ -19,9 +19,9 @@ from spectral_contact.sweeps.sweep_parameters import Columns
 
 Mask = NDArray[np.bool_]
 
-_NORMAL: Final = frozenset({"approach", "pressure"})
-#: Quantities that the spectra know only where nothing slips.
-_STICKING: Final = frozenset({"total_shear", "stick_radius"})
+_NORMAL_QUANTITIES: Final = frozenset({"approach", "pressure"})
+#: Quantities that the spectra have only where nothing slips.
+_STICK_QUANTITIES: Final = frozenset({"total_shear", "stick_radius"})
 #: Below this compliance, normal or tangential, the edge layer is so thin that the spectra lose
 #: digits of values at a point: their errors are about eps over the root of the compliance, and now
 #: and then much larger. `solve` keeps these digits by an endpoint weight and a correction.
@@ -30,55 +30,57 @@ _LEAST_POINTWISE: Final = 1e-6
 
 def eligible(columns: Columns, request: Request) -> Mask:
     """Return a mask of the scenes that the spectra may serve, judged by their parameters alone."""
-    asked = frozenset(request.quantities)
+    names = frozenset(request.quantities)
     alpha = columns.alpha
     beta = columns.beta
     friction = columns.friction
     mask: Mask = (alpha > 0.0) & ~columns.coupled & columns.at_largest_load
     thin = np.minimum(alpha, beta) < _LEAST_POINTWISE
-    if asked & FULL_STICK_RATIOS:
+    if names & FULL_STICK_RATIOS:
         mask &= ~thin
-    elif asked & _STICKING:  # whether anything slips depends on the critical friction, a ratio
+    elif (
+        names & _STICK_QUANTITIES
+    ):  # whether anything slips depends on the critical friction, a ratio
         mask &= ~thin | (friction == np.inf)
-    if not asked <= _NORMAL | FULL_STICK_RATIOS | _STICKING:
+    if not names <= _NORMAL_QUANTITIES | FULL_STICK_RATIOS | _STICK_QUANTITIES:
         mask[:] = False
-    if "pressure" in asked and not request.at_edge_alone:
+    if "pressure" in names and not request.at_edge_alone:
         mask[:] = False
-    if asked & (FULL_STICK_RATIOS | _STICKING):  # NaN, no friction, compares False
+    if names & (FULL_STICK_RATIOS | _STICK_QUANTITIES):  # NaN, no friction, compares False
         mask &= (beta > 0.0) & (columns.kappa != 0.0) & (friction >= 0.0)
     return mask
 
 
-def served(columns: Columns, request: Request) -> Served:
-    """Return what the spectra know to the tolerance; other scenes are left to `solve`."""
+def served_by_spectra(columns: Columns, request: Request) -> Served:
+    """Return the results that spectra have to the tolerance; other scenes are left to `solve`."""
     mask = eligible(columns, request)
     values: dict[str, Array] = {}
     errors: dict[str, Array] = {}
     candidates = columns[mask]
     if len(candidates):
-        asked = frozenset(request.quantities)
-        if asked & _NORMAL:
+        names = frozenset(request.quantities)
+        if names & _NORMAL_QUANTITIES:
             _normal(candidates, values, errors)
-        sure = np.ones(len(candidates), dtype=bool)
-        if asked & (FULL_STICK_RATIOS | _STICKING):
-            sure = _full_stick(candidates, request, values, errors)
-        for name in asked:
+        accurate = np.ones(len(candidates), dtype=bool)
+        if names & (FULL_STICK_RATIOS | _STICK_QUANTITIES):
+            accurate = _full_stick(candidates, request, values, errors)
+        for name in names:
             # next to the critical friction the shakedown ratio has fewer digits than rtol, also if
             # the scene is solved
             bound = "critical_friction" if name == "shakedown_ratio" else name
-            sure &= errors[bound] <= request.rtol
-        mask[mask] = sure
-        values = {name: values[name][sure] for name in asked}
-        errors = {name: errors[name][sure] for name in asked}
+            accurate &= errors[bound] <= request.rtol
+        mask[mask] = accurate
+        values = {name: values[name][accurate] for name in names}
+        errors = {name: errors[name][accurate] for name in names}
     return Served(mask, values, errors)
 
 
 def _normal(columns: Columns, values: dict[str, Array], errors: dict[str, Array]) -> None:
     """Add approach and edge pressure, a field at one place, with their errors."""
-    found, lost = certified_normal().approach(columns.alpha)
-    values["approach"], pressure = found
+    fields, field_errors = certified_normal().approach(columns.alpha)
+    values["approach"], pressure = fields
     values["pressure"] = pressure[:, None]
-    errors["approach"], errors["pressure"] = lost
+    errors["approach"], errors["pressure"] = field_errors
 
 
 def _full_stick(
@@ -95,21 +97,23 @@ def _full_stick(
     friction = columns.friction
     kappa = np.abs(columns.kappa)
     stick = certified_stick(request.rtol)
-    (shear, edge), (lost_shear, lost_edge) = stick.shear_and_edge(alpha, beta)
+    (shear, edge), (shear_error, edge_error) = stick.shear_and_edge(alpha, beta)
     values.update(
         total_shear=columns.kappa * shear,
         edge_ratio=kappa * edge,
         stick_radius=np.ones(len(columns)),
     )
-    errors.update(total_shear=lost_shear, edge_ratio=lost_edge, stick_radius=np.zeros(len(columns)))
-    asked = frozenset(request.quantities)
+    errors.update(
+        total_shear=shear_error, edge_ratio=edge_error, stick_radius=np.zeros(len(columns))
+    )
+    names = frozenset(request.quantities)
     sticks = friction == np.inf
-    may_slip = bool(asked & _STICKING) and not sticks.all()
-    if not asked.isdisjoint(("critical_friction", "shakedown_ratio")) or may_slip:
-        critical, lost = stick.critical(alpha, beta, edge)
-        values["critical_friction"], errors["critical_friction"] = kappa * critical, lost
+    may_slip = bool(names & _STICK_QUANTITIES) and not sticks.all()
+    if not names.isdisjoint(("critical_friction", "shakedown_ratio")) or may_slip:
+        critical, critical_error = stick.critical(alpha, beta, edge)
+        values["critical_friction"], errors["critical_friction"] = kappa * critical, critical_error
         values["shakedown_ratio"], errors["shakedown_ratio"] = shakedown(
-            kappa * critical, lost, friction
+            kappa * critical, critical_error, friction
         )
-        sticks |= friction > kappa * critical * (1.0 + 2.0 * lost)
-    return sticks if asked & _STICKING else np.ones(len(columns), dtype=bool)
+        sticks |= friction > kappa * critical * (1.0 + 2.0 * critical_error)
+    return sticks if names & _STICK_QUANTITIES else np.ones(len(columns), dtype=bool)

@@ -64,20 +64,20 @@ def plot_slice(
     instance("dataset", dataset, needed().Dataset)
     names = [str(name) for name, one in dataset.data_vars.items() if one.dtype.kind in "fi"]
     part = _sliced(dataset[one_of("quantity", quantity, names)], at)
-    left = [str(name) for name in part.dims if part.sizes[name] > 1]
+    free = [str(name) for name in part.dims if part.sizes[name] > 1]
     # the infinite friction of full stick has no place on an axis; where a single friction is left,
     # it is no dimension of the picture
-    part = part.isel({name: np.isfinite(part[name].values) for name in left}).squeeze()
-    left = [name for name in left if name in part.dims] or left
+    part = part.isel({name: np.isfinite(part[name].values) for name in free}).squeeze()
+    free = [name for name in free if name in part.dims] or free
     part = part.sortby(list(part.dims))
-    if len(left) not in (1, 2):
-        said = f"such that one or two dimensions are left, not {', '.join(left) or 'none'}"
-        raise SceneError("at", dict(at or {}), said)
+    if len(free) not in (1, 2):
+        allowed = f"such that one or two dimensions are left, not {', '.join(free) or 'none'}"
+        raise SceneError("at", dict(at or {}), allowed)
     with style():
         figure = new_figure(figsize=(5.6, 4.2), layout="constrained")
         axes = figure.add_subplot()
-        (_curve if len(left) == 1 else _map)(axes, part, left)
-        axes.set_title(_held(part), fontsize="medium")
+        (_curve if len(free) == 1 else _map)(axes, part, free)
+        axes.set_title(_fixed_text(part), fontsize="medium")
     return figure
 
 
@@ -91,22 +91,22 @@ def varying(dataset: xarray.Dataset, at: Mapping[str, float] | None = None) -> s
     for name in names:
         part = _sliced(dataset[name], at)
         error = float((np.abs(part) * _sliced(dataset[f"{name}_error"], at)).max())
-        left = [str(dim) for dim in part.dims if part.sizes[dim] > 1]
-        if all(float((part.max(dim) - part.min(dim)).max()) > 10.0 * error for dim in left):
+        free = [str(dim) for dim in part.dims if part.sizes[dim] > 1]
+        if all(float((part.max(dim) - part.min(dim)).max()) > 10.0 * error for dim in free):
             return name
     return names[0]
 
 
 def _sliced(part: xarray.DataArray, at: Any) -> xarray.DataArray:
     """Return the slice of a quantity at the places that were solved nearest to those asked for."""
-    for name, value in _places(at, [str(name) for name in part.dims]).items():
+    for name, value in _held_values(at, [str(name) for name in part.dims]).items():
         part = part.sel({name: _nearest(part[name].values, value)})
     return part
 
 
-def _held(part: xarray.DataArray) -> str:
+def _fixed_text(part: xarray.DataArray) -> str:
     """Return the parameters that are the same in the whole picture, with their values."""
-    held = [one for one in part.coords if part[one].ndim == 0 and part[one].dtype.kind == "f"]
+    held = [name for name in part.coords if part[name].ndim == 0 and part[name].dtype.kind == "f"]
     numbers = {name: float(part[name]) for name in held}
     texts = [
         "no friction" if np.isnan(value) else f"{_SYMBOLS.get(str(name), name)} = {value:.4g}"
@@ -115,7 +115,7 @@ def _held(part: xarray.DataArray) -> str:
     return ", ".join(texts).replace("= inf", r"= $\infty$")
 
 
-def _places(at: Any, dims: list[str]) -> dict[str, float]:
+def _held_values(at: Any, dims: list[str]) -> dict[str, float]:
     """Return the values at which dimensions are held."""
     if not isinstance(at, Mapping | None):
         raise SceneError("at", at, "a mapping of names to numbers")
@@ -133,15 +133,15 @@ def _nearest(values: NDArray[Any], wanted: float) -> Any:
     return same[0] if same.size else values[np.argmin(np.abs(values - wanted))]
 
 
-def _curve(axes: Axes, part: xarray.DataArray, left: list[str]) -> None:
-    axes.plot(part[left[0]].values, part.values, color="#0072B2", marker=".")
-    _scale(axes.set_xscale, part[left[0]].values)
-    axes.set_xlabel(_label(part[left[0]]))
+def _curve(axes: Axes, part: xarray.DataArray, free: list[str]) -> None:
+    axes.plot(part[free[0]].values, part.values, color="#0072B2", marker=".")
+    _scale(axes.set_xscale, part[free[0]].values)
+    axes.set_xlabel(_label(part[free[0]]))
     axes.set_ylabel(_label(part))
 
 
-def _map(axes: Axes, part: xarray.DataArray, left: list[str]) -> None:
-    down, across = left
+def _map(axes: Axes, part: xarray.DataArray, free: list[str]) -> None:
+    down, across = free
     for scale, name in ((axes.set_xscale, across), (axes.set_yscale, down)):
         _scale(scale, part[name].values)
     edges = _edges(part[across].values), _edges(part[down].values)
@@ -167,11 +167,11 @@ def _logarithmic(values: NDArray[Any]) -> bool:
 def _edges(values: NDArray[Any]) -> NDArray[Any]:
     """Return the ends of cells around values, half-way between them on their axis."""
     logarithmic = _logarithmic(values)
-    places = np.log(values) if logarithmic else values
-    between = (places[1:] + places[:-1]) / 2.0
-    first = 2.0 * places[0] - between[0]
-    last = 2.0 * places[-1] - between[-1]
-    edges = np.concatenate([[first], between, [last]])
+    positions = np.log(values) if logarithmic else values
+    midpoints = (positions[1:] + positions[:-1]) / 2.0
+    first = 2.0 * positions[0] - midpoints[0]
+    last = 2.0 * positions[-1] - midpoints[-1]
+    edges = np.concatenate([[first], midpoints, [last]])
     return np.asarray(np.exp(edges) if logarithmic else edges)
 
 

@@ -36,16 +36,16 @@ _PANELS: Final = 24
 #: Compliances, or rows of a product, that are treated at a time, so that they stay in the cache of
 #: a processor.
 _BLOCK: Final = 256
-#: Samples of q/p on every panel, among which its maximum is looked for ...
+#: Samples of q/p on every panel, among which its maximum is looked for.
 _SAMPLES: Final = 16
-#: ... and the number of refinements around it, each with samples a quarter as far apart.
+#: Number of refinements around that maximum, each with samples a quarter as far apart.
 _ZOOMS: Final = 5
-#: A place is next to an end of a panel if it is within this share of the width of the panel: there
-#: the rounding of coefficients of high degree adds up.
-_BESIDE: Final = 0.05
+#: A place is next to an end of a panel if its distance is at most this fraction of the width of
+#: the panel: there the rounding of coefficients of high degree adds up.
+_END_DISTANCE: Final = 0.05
 #: If all pairs of the alphas and betas are at most this many times the pairs that are wanted, all
 #: of them are computed, by a product of matrices.
-_SPARE: Final = 4
+_PAIRS_FACTOR: Final = 4
 
 
 class NormalSpectrum:
@@ -95,11 +95,11 @@ class StickSpectrum:
         self.panels = self.normal.panels
         space = unit_space(self.panels, (degree,) * _PANELS, shear=True)
         self.values, self.modes = space.spectrum()
-        own = self.modes[space.index]
+        modes = self.modes[space.index]
         #: moments of the tangential modes with the right side of every normal mode
-        self.coupling = own.T @ space.moments(self._right_sides(space.y)).T
+        self.coupling = modes.T @ space.moments(self._right_sides(space.y)).T
         #: total shears of the modes
-        self.shear = disk_shear(self.panels, (degree,) * _PANELS)[space.function] @ own
+        self.shear = disk_shear(self.panels, (degree,) * _PANELS)[space.function] @ modes
         tail = self.panels.tail_terms
         #: Legendre polynomials at -1
         self._signs = (-1.0) ** np.arange(degree + 1)
@@ -111,13 +111,13 @@ class StickSpectrum:
 
         It is ``R(t) = 2/t int_0^t s p ds / sqrt(t**2 - s**2)`` at ``d = 1 - t**2`` (docs/theory).
         """
-        own = transforms(self.panels)
+        operators = transforms(self.panels)
         root = np.sqrt(1.0 - self.panels.sampling_distances)
-        found = []
+        right_sides = []
         for mode in self.normal.modes.T:
-            samples = 2.0 * own.abel_left(np.ascontiguousarray(mode)) / root
-            found.append(sampled_series(self.panels, samples)(d))
-        return np.array(found)
+            samples = 2.0 * operators.abel_left(np.ascontiguousarray(mode)) / root
+            right_sides.append(sampled_series(self.panels, samples)(d))
+        return np.array(right_sides)
 
     def shear_and_edge(self, alpha: Array, beta: Array) -> tuple[Array, Array]:
         """Return ``Q*/kappa`` and ``q/(kappa p)`` at the edge, for pairs of compliances."""
@@ -127,14 +127,14 @@ class StickSpectrum:
         # the right side of every alpha in the modes of the traction
         right_sides = pressure @ self.coupling.T
         inverse = 1.0 / (betas[:, None] + self.values)
-        found = []
+        products = []
         for functional in (self.shear, self.edge):
             weights = functional * inverse
-            if len(alphas) * len(betas) <= _SPARE * len(alpha):
-                found.append((right_sides @ weights.T)[a, b])
+            if len(alphas) * len(betas) <= _PAIRS_FACTOR * len(alpha):
+                products.append((right_sides @ weights.T)[a, b])
             else:
-                found.append(_row_products(right_sides, a, weights, b))
-        shear, edge = found
+                products.append(_row_products(right_sides, a, weights, b))
+        shear, edge = products
         return shear, edge / edge_pressure[a]
 
     def critical(self, alpha: Array, beta: Array, edge_ratio: Array) -> tuple[Array, Array]:
@@ -214,7 +214,7 @@ class StickSpectrum:
         end = np.clip(np.rint(place).astype(np.intp), 1, _PANELS - 1)
         left = q_over_s[rows, end - 1].sum(axis=1) / p[end - 1].sum(axis=1)
         right = q_over_s[rows, end] @ self._signs / (p[end] @ self._signs)
-        jump = np.where(np.abs(place - end) < _BESIDE, np.abs(right / left - 1.0), 0.0)
+        jump = np.where(np.abs(place - end) < _END_DISTANCE, np.abs(right / left - 1.0), 0.0)
         return _vertex(ratio, np.clip(best, 1, len(offsets) - 2)), jump
 
 
@@ -241,7 +241,7 @@ def _vertex(values: Array, at: Indices) -> Array:
     """
     rows = np.arange(len(values))
     before, middle, after = (values[rows, at + k] for k in (-1, 0, 1))
-    bend = 2.0 * middle - before - after  # minus the second difference
-    top = middle + (after - before) ** 2 / (8.0 * np.where(bend > 0.0, bend, np.inf))
+    curvature = 2.0 * middle - before - after  # minus the second difference
+    top = middle + (after - before) ** 2 / (8.0 * np.where(curvature > 0.0, curvature, np.inf))
     largest = np.maximum(np.maximum(before, middle), after)
-    return np.where(np.abs(after - before) < 2.0 * bend, np.maximum(top, largest), largest)
+    return np.where(np.abs(after - before) < 2.0 * curvature, np.maximum(top, largest), largest)

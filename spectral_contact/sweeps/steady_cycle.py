@@ -36,11 +36,13 @@ _TOLERANCES: Final = "in [1e-11, 1e-2]"
 _SOLVE_TOLERANCES: Final = (0.1, 1e-3)
 #: The tightest tolerance of a solve.
 _TIGHTEST: Final = 1e-12
-#: The range of friction: what others dissipate is below or beyond the range of doubles.
+#: Least coefficient of friction. The energy that a smaller one dissipates is below the range of
+#: doubles.
 _LEAST_FRICTION: Final = 1e-100
+#: Largest coefficient of friction, by the same reason.
 _LARGEST_FRICTION: Final = 1e100
-#: A lowest load below this is replaced by it: the loop no longer depends on it, and its square may
-#: underflow.
+#: A lowest load below this is replaced by it. The loop does not depend on so small a load, whose
+#: square may underflow.
 _LEAST_LOAD: Final = 1e-50
 #: A slack above minus this may be 0, as it is where the surface slips back: there it is off by up
 #: to 1e-12.
@@ -102,16 +104,16 @@ def steady_cycle(
     with one_thread():
         for factor in _SOLVE_TOLERANCES:
             tolerance = max(factor * rtol, _TIGHTEST)
-            found = _solved(scene, lowest, rtol, tolerance, max_unknowns)
-            if (found.converged and not _may_slip_forward(found)) or tolerance == _TIGHTEST:
+            cycle = _solved(scene, lowest, rtol, tolerance, max_unknowns)
+            if (cycle.converged and not _may_slip_forward(cycle)) or tolerance == _TIGHTEST:
                 break
-        if _may_slip(found) and tolerance > _TIGHTEST:
-            closer = _solved(scene, lowest, rtol, _TIGHTEST, max_unknowns)
-            found = closer if closer.converged else found
-    if strict and not found.converged:
-        cause = f"the error estimate {found.worst_error:.1e} does not meet rtol = {rtol:.1e}"
-        raise ConvergenceError(cause, "Loosen rtol, or use strict=False.", found)
-    return found
+        if _may_slip(cycle) and tolerance > _TIGHTEST:
+            closer_cycle = _solved(scene, lowest, rtol, _TIGHTEST, max_unknowns)
+            cycle = closer_cycle if closer_cycle.converged else cycle
+    if strict and not cycle.converged:
+        cause = f"the error estimate {cycle.worst_error:.1e} does not meet rtol = {rtol:.1e}"
+        raise ConvergenceError(cause, "Loosen rtol, or use strict=False.", cycle)
+    return cycle
 
 
 def _solved(
@@ -148,8 +150,8 @@ def checked_cycle(scene: Scene, lowest: float) -> tuple[Scene, float]:
     if scene.friction is None:
         raise SceneError("friction", None, "a coefficient of friction")
     if 0.0 < scene.friction < _LEAST_FRICTION or _LARGEST_FRICTION < scene.friction < math.inf:
-        told = f"0, in [{_LEAST_FRICTION:g}, {_LARGEST_FRICTION:g}], or infinite"
-        raise SceneError("friction", scene.friction, told)
+        allowed = f"0, in [{_LEAST_FRICTION:g}, {_LARGEST_FRICTION:g}], or infinite"
+        raise SceneError("friction", scene.friction, allowed)
     if scene.couples:
         raise SceneError("coupling", True, "False: with elastic coupling the law does not hold")
     return scene, lowest
@@ -180,16 +182,18 @@ class CycleFamily:
         max_unknowns: int,
     ) -> None:
         self._rtol = rtol
-        path = Continuation(tolerance, (*ASKED, "critical_friction"), max_unknowns)
-        self._solve: Callable[[float], Solution] = lambda f: path.solve(scene.replace(friction=f))
+        continuation = Continuation(tolerance, (*ASKED, "critical_friction"), max_unknowns)
+        self._solve: Callable[[float], Solution] = lambda f: continuation.solve(
+            scene.replace(friction=f)
+        )
         self._stick = self._solve(math.inf)
         critical = self._stick.critical_friction
         #: within the error of the critical friction no digit of the slip is known
         self._margin = 0.0
         if critical < math.inf:
             self._margin = critical * (self._stick.error.critical_friction or 0.0)
-        of_loops = [loop_friction(f, load) for f in frictions for load in lowest]
-        slipping = [f for f in of_loops if 0.0 < f < critical - self._margin]
+        loop_frictions = [loop_friction(f, load) for f in frictions for load in lowest]
+        slipping = [f for f in loop_frictions if 0.0 < f < critical - self._margin]
         least = min(slipping, default=critical)
         largest = max(slipping, default=critical)
         if critical < math.inf:
@@ -243,13 +247,13 @@ class CycleFamily:
                 dissipation=total_error,
             ),
         )
-        within = at_shakedown or cycle.worst_error <= self._rtol
-        return replace(cycle, converged=loop.converged and within)
+        within_rtol = at_shakedown or cycle.worst_error <= self._rtol
+        return replace(cycle, converged=loop.converged and within_rtol)
 
     def _dissipated(
         self, friction: float, lowest: float, loop: Solution
     ) -> tuple[ValueWithError, ValueWithError]:
-        """Return what unloading and reloading dissipate, with absolute errors.
+        """Return the energies dissipated in unloading and in reloading, with absolute errors.
 
         These are W_down and W_up of docs/cycles, with the friction f as variable of the integrals.
         """
@@ -275,15 +279,16 @@ class CycleFamily:
             excess,
         )
         # the term at the end of the loop, (1 - lambda) A(f')
-        end = (1.0 - lowest) * mean.value
-        end_error = math.inf if loop.ending is Ending.ZONES else end * mean.error
+        end_term = (1.0 - lowest) * mean.value
+        end_term_error = math.inf if loop.ending is Ending.ZONES else end_term * mean.error
         return (
             ValueWithError(
-                friction * (lowest * end + unloading.value),
-                friction * (lowest * end_error + unloading.error),
+                friction * (lowest * end_term + unloading.value),
+                friction * (lowest * end_term_error + unloading.error),
             ),
             ValueWithError(
-                friction * (end - reloading.value), friction * (end_error + reloading.error)
+                friction * (end_term - reloading.value),
+                friction * (end_term_error + reloading.error),
             ),
         )
 

@@ -36,12 +36,12 @@ PARAMETERS: Final = (
     "work_of_adhesion",
 )
 #: Number of parameters of a flat punch.
-_FLAT: Final = 5
-#: What takes the place of Poisson's ratio, the first parameter, in scenes of two bodies: it is
-#: their `Scene.mismatch`.
+_FLAT_COUNT: Final = 5
+#: The parameter that takes the place of Poisson's ratio, the first one, in scenes of two bodies: it
+#: is their `Scene.mismatch`.
 KAPPA: Final = "kappa"
 #: Prefix of the parameters of a layer's law, which follow `PARAMETERS`.
-_LAW: Final = "layer_"
+_LAW_PREFIX: Final = "layer_"
 _ALPHA: Final = PARAMETERS.index("normal_compliance")
 _BETA: Final = PARAMETERS.index("tangential_compliance")
 _FRICTION: Final = PARAMETERS.index("friction")
@@ -124,11 +124,13 @@ class Columns:
         """Return one of the scenes."""
         # a flat punch has fewer rows than there are parameters, a varying law has more
         numbers = zip(PARAMETERS, self.values[:, index].tolist(), strict=False)
-        given: dict[str, Any] = {name: one for name, one in numbers if not math.isnan(one)}
+        given: dict[str, Any] = {name: number for name, number in numbers if not math.isnan(number)}
         form = self.forms[index if len(self.forms) > 1 else 0]
         if self.law:
-            own = dict(zip(self.law, self.values[len(PARAMETERS) :, index].tolist(), strict=True))
-            form = form._replace(layer=replace(form.layer, **own))  # type: ignore[type-var]
+            law_values = dict(
+                zip(self.law, self.values[len(PARAMETERS) :, index].tolist(), strict=True)
+            )
+            form = form._replace(layer=replace(form.layer, **law_values))  # type: ignore[type-var]
         kinds = form._asdict()
         if kinds.pop("by_kappa"):
             given["mismatch"] = given.pop("poisson_ratio")
@@ -178,7 +180,7 @@ class SweepParameters:
     def names(self) -> tuple[str, ...]:
         """Names of the parameters; the first is kappa if some scene is given by its kappa."""
         first = KAPPA if any(one.by_kappa for one in self.forms) else PARAMETERS[0]
-        return (first, *PARAMETERS[1 : len(self.fixed)], *(_LAW + name for name in self.law))
+        return (first, *PARAMETERS[1 : len(self.fixed)], *(_LAW_PREFIX + name for name in self.law))
 
     @property
     def shaped(self) -> bool:
@@ -191,14 +193,14 @@ class SweepParameters:
         if not self.shaped:
             return False
         last = len(PARAMETERS) - 1
-        known = self.fixed[last] if self.table is None else self.table[last]
-        return PARAMETERS[last] in self.axes or not bool(np.isnan(known).all())
+        values = self.fixed[last] if self.table is None else self.table[last]
+        return PARAMETERS[last] in self.axes or not bool(np.isnan(values).all())
 
     @property
     def unloaded(self) -> bool:
         """Whether some scenes are below their largest load."""
-        known = self.fixed[_UNLOADED] if self.table is None else self.table[_UNLOADED]
-        return bool((np.asarray(self.axes.get("unloaded_to", known)) < 1.0).any())
+        values = self.fixed[_UNLOADED] if self.table is None else self.table[_UNLOADED]
+        return bool((np.asarray(self.axes.get("unloaded_to", values)) < 1.0).any())
 
     @property
     def coupled(self) -> bool:
@@ -235,7 +237,10 @@ class SweepParameters:
             keys = [k for k in _SLOWEST if k < len(self.table)]
             return np.lexsort(self.table[keys[::-1]])  # the slowest is the last key
         dimensions = {name: i for i, name in enumerate(self.axes)}
-        slowest = [*(_LAW + name for name in self.law), *(self._parameter(k) for k in _SLOWEST)]
+        slowest = [
+            *(_LAW_PREFIX + name for name in self.law),
+            *(self._parameter(k) for k in _SLOWEST),
+        ]
         transposed = [dimensions[name] for name in slowest if name in dimensions]
         return np.arange(self.size).reshape(self.shape).transpose(transposed).ravel()
 
@@ -296,24 +301,24 @@ def grid(
     material = [name for name in (KAPPA, PARAMETERS[0]) if axes.get(name) is not None]
     if len(material) > 1:
         raise SceneError(KAPPA, axes[KAPPA], "None where poisson_ratio is given")
-    given = {
+    axis_values = {
         name: _axis(base, name, axes[name])
         for name in (KAPPA, *PARAMETERS)
         if axes.get(name) is not None
     }
     if material:
-        base = changed(base, {material[0]: float(given[material[0]][0])})
-    pressed = [name for name in given if name in ALL_CONTROLS]
-    if len(pressed) > 1:
-        told = f"left out if {pressed[1]} is given: vary one of load, approach, contact radius"
-        raise SceneError(pressed[0], axes[pressed[0]], told)
-    if pressed:
-        base = changed(base, {pressed[0]: float(given[pressed[0]][0])})
+        base = changed(base, {material[0]: float(axis_values[material[0]][0])})
+    controls = [name for name in axis_values if name in ALL_CONTROLS]
+    if len(controls) > 1:
+        allowed = f"left out if {controls[1]} is given: vary one of load, approach, contact radius"
+        raise SceneError(controls[0], axes[controls[0]], allowed)
+    if controls:
+        base = changed(base, {controls[0]: float(axis_values[controls[0]][0])})
     axes_of_law = _axes_of_law(base, {} if law is None else law)
     without_axes = alone(base)
     fixed = without_axes.fixed + tuple(float(axis[0]) for axis in axes_of_law.values())
-    given |= {_LAW + name: axis for name, axis in axes_of_law.items()}
-    return replace(without_axes, fixed=fixed, axes=given, law=tuple(axes_of_law))
+    axis_values |= {_LAW_PREFIX + name: axis for name, axis in axes_of_law.items()}
+    return replace(without_axes, fixed=fixed, axes=axis_values, law=tuple(axes_of_law))
 
 
 def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) -> SweepParameters:
@@ -321,15 +326,15 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
     rows: list[tuple[float, ...]] = []
     forms: list[SceneForm] = []
     for number, scene in enumerate(scenes):
-        one = changed(scene, changes or {})
-        if rows and (one.profile is None) != (forms[0].profile is None):
+        changed_scene = changed(scene, changes or {})
+        if rows and (changed_scene.profile is None) != (forms[0].profile is None):
             first = forms[0].profile
-            told = "with a profile, as the first" if first else "without one, as the first"
-            raise SceneError(f"scenes[{number}]", scene, told)
-        rows.append(_row(one))
-        forms.append(SceneForm.of(one))
+            allowed = "with a profile, as the first" if first else "without one, as the first"
+            raise SceneError(f"scenes[{number}]", scene, allowed)
+        rows.append(_row(changed_scene))
+        forms.append(SceneForm.of(changed_scene))
     shaped = forms[0].profile is not None
-    count = len(PARAMETERS) if shaped else _FLAT
+    count = len(PARAMETERS) if shaped else _FLAT_COUNT
     table = np.array(rows).T[:count].copy()
     same_form = not shaped and len(set(forms)) == 1
     common = tuple(forms[:1] if same_form else forms)
@@ -349,7 +354,7 @@ def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
 
 def alone(scene: Scene) -> SweepParameters:
     """Return one scene as a grid without dimensions."""
-    count = _FLAT if scene.profile is None else len(PARAMETERS)
+    count = _FLAT_COUNT if scene.profile is None else len(PARAMETERS)
     return SweepParameters(_row(scene)[:count], {}, forms=(SceneForm.of(scene),))
 
 
@@ -382,12 +387,12 @@ def _axes_of_law(base: Scene, law: Any) -> dict[str, Array]:
     numbers = [one.name for one in fields(kind) if isinstance(getattr(kind, one.name), float)]
     for name in law:
         one_of("layer", name, numbers, f"a number of the law: {', '.join(numbers) or 'none'}")
-    found = {}
+    axes = {}
     for name in (one for one in numbers if one in law):
-        found[name] = _numbers(_LAW + name, law[name])
-        for value in {found[name].min(), found[name].max()}:  # the allowed values are an interval
+        axes[name] = _numbers(_LAW_PREFIX + name, law[name])
+        for value in {axes[name].min(), axes[name].max()}:  # the allowed values are an interval
             changed(base, {"layer": replace(kind, **{name: float(value)})})
-    return found
+    return axes
 
 
 def _axis(base: Scene, name: str, values: Any) -> Array:

@@ -25,7 +25,7 @@ from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps.chunk import outcomes
 from spectral_contact.sweeps.dataset import Collected, assembled, needed
-from spectral_contact.sweeps.indentation_curves import pressed_alone
+from spectral_contact.sweeps.indentation_curves import on_curves
 from spectral_contact.sweeps.physical_scenes import (
     PhysicalScenes,
     grid_of,
@@ -58,20 +58,20 @@ _SI_AXES: Final = (
     *("youngs_modulus", "radius", "reduced_modulus"),
     *("punch_youngs_modulus", "punch_poisson_ratio"),
 )
-#: Scenes of a chunk: some tenths of a second of work.
+#: Number of scenes of a chunk: some tenths of a second of work.
 _CHUNK: Final = 64
-#: Scenes of a chunk with profiles or coupling: some of these take a hundred times as long.
+#: Number of scenes of a chunk with profiles or coupling: some take a hundred times as long.
 _SLOW_CHUNK: Final = 8
-#: Scenes of a chunk where the spectra serve nearly all of them.
+#: Number of scenes of a chunk if the spectra serve nearly all of them.
 _QUICK_CHUNK: Final = 16384
-#: A line (`lines`) or an indentation curve of more scenes than this may be cut by chunks.
-_LONGEST: Final = 1024
+#: Chunks may cut a line (`lines`) or an indentation curve of more scenes than this.
+_LONGEST_LINE: Final = 1024
 #: The most numbers that the results of a sweep have, 8 bytes each.
 _MOST_VALUES: Final = 10**9
 #: Fewest pairs of compliances for which the spectra are used: they take a second or two to build.
 _PAIRS_FOR_SPECTRA: Final = 500
 #: Number of scenes, spread over the sweep, by which the size of chunks is chosen.
-_SAMPLED: Final = 500
+_SAMPLE_SIZE: Final = 500
 
 
 @suggesting()
@@ -190,9 +190,9 @@ def sweep(
     ['0.49141798', '0.99195671']
     """
     needed()
-    given = poisson_ratio, normal_compliance, tangential_compliance, friction, unloaded_to
-    pressed = contact_radius, load, approach, separation, work_of_adhesion
-    axes = dict(zip(PARAMETERS, (*given, *pressed), strict=True))
+    scene_values = poisson_ratio, normal_compliance, tangential_compliance, friction, unloaded_to
+    control_values = contact_radius, load, approach, separation, work_of_adhesion
+    axes = dict(zip(PARAMETERS, (*scene_values, *control_values), strict=True))
     axes[KAPPA] = kappa
     si_given = (youngs_modulus, radius, reduced_modulus, punch_youngs_modulus, punch_poisson_ratio)
     si_axes = dict(zip(_SI_AXES, si_given, strict=True))
@@ -206,36 +206,38 @@ def sweep(
                 raise SceneError(
                     name, values, "None but for a scene in SI units, of Scene.from_physical"
                 )
-        every = parameters = _parameters(scenes, axes, layer, coupling)
-        which = None
+        all_scenes = parameters = _parameters(scenes, axes, layer, coupling)
+        problem_of_scene = None
     else:
-        # `every` has all scenes, `parameters` one for each problem, and `which` the number of the
-        # problem of every scene
-        every, parameters, which = physical.different()
-        wanted = requested(quantities, rtol, max_unknowns, s, from_edge, **_kind(every))
+        # `parameters` has one scene for each problem, `problem_of_scene` the number of the problem
+        # of every scene
+        all_scenes, parameters, problem_of_scene = physical.different()
+        wanted = requested(quantities, rtol, max_unknowns, s, from_edge, **_kind(all_scenes))
         quantities = quantities_for(physical, wanted.quantities)
     request = requested(quantities, rtol, max_unknowns, s, from_edge, **_kind(parameters))
-    _check_size(every, request)
+    _check_size(all_scenes, request)
     tell = ProgressLine(progress)
     if executor is not None and not isinstance(executor, Executor):
         raise SceneError("executor", executor, "a concurrent.futures.Executor, or None")
     slow = parameters.shaped or parameters.coupled
     request = replace(request, shared=parameters.pairs >= _PAIRS_FOR_SPECTRA and not slow)
-    size = _chunk(parameters, request) if chunk is None else checks.whole("chunk", chunk, 1)
-    kept = None
+    size = _chunk_size(parameters, request) if chunk is None else checks.whole("chunk", chunk, 1)
+    opened_store = None
     if store is not None:
         if any(is_user_law(form.layer) for form in parameters.forms):
-            told = "None with a layer that is none of the library's: a store does not know its law"
-            raise SceneError("store", store, told)
-        made = {"library": VERSION, "scenes": parameters.fingerprint()}
-        kept = Store(store, {**made, **request.describe(), "chunk": size})
+            allowed = (
+                "None with a layer that is none of the library's: a store does not know its law"
+            )
+            raise SceneError("store", store, allowed)
+        manifest = {"library": VERSION, "scenes": parameters.fingerprint()}
+        opened_store = Store(store, {**manifest, **request.describe(), "chunk": size})
     with one_thread(), tell:
-        collected = _collected(parameters, request, size, kept, executor, tell)
+        collected = _collected(parameters, request, size, opened_store, executor, tell)
     if physical is None:
         return assembled(parameters, request, collected)
-    assert which is not None
-    collected = collected.taken(which)
-    dataset = assembled(every, request, collected)
+    assert problem_of_scene is not None
+    collected = collected.taken(problem_of_scene)
+    dataset = assembled(all_scenes, request, collected)
     if physical.physical:
         dataset = dataset.assign(si_results(physical.scenes, collected.values, request))
     return physical.shaped(dataset)
@@ -252,7 +254,7 @@ def _physical_scenes(
     table: Any,
 ) -> PhysicalScenes | None:
     """Return the scenes of a table, or in SI units; None if they are of another kind."""
-    given = {name: one for name, one in axes.items() if one is not None}
+    given = {name: values for name, values in axes.items() if values is not None}
     if not isinstance(scenes, Scene):
         if table is not None:
             raise SceneError("table", table, "None with a list of scenes")
@@ -265,12 +267,14 @@ def _physical_scenes(
     if is_physical:
         _refuse_kappa(given)
     # a text is one number with its unit
-    single = {name: one for name, one in given.items() if np.ndim(one) == 0}
-    base = with_values(scenes, single | ({} if coupling is None else {"coupling": coupling}))
-    several = {name: one for name, one in given.items() if name not in single}
+    single_numbers = {name: values for name, values in given.items() if np.ndim(values) == 0}
+    base = with_values(
+        scenes, single_numbers | ({} if coupling is None else {"coupling": coupling})
+    )
+    lists = {name: values for name, values in given.items() if name not in single_numbers}
     if table is None:
-        return grid_of(base, several)
-    for name, values in several.items():
+        return grid_of(base, lists)
+    for name, values in lists.items():
         raise SceneError(name, values, "one number, or None, with a table")
     return table_of(base, table)
 
@@ -315,21 +319,21 @@ def _check_size(parameters: SweepParameters, request: Request) -> None:
         raise SceneError(f"number of scenes, {lengths}", parameters.size, allowed)
 
 
-def _chunk(parameters: SweepParameters, request: Request) -> int:
+def _chunk_size(parameters: SweepParameters, request: Request) -> int:
     """Return the number of scenes of a chunk, which take some tenths of a second."""
-    sample = np.unique(np.linspace(0, parameters.size - 1, _SAMPLED).astype(np.intp))
+    sample = np.unique(np.linspace(0, parameters.size - 1, _SAMPLE_SIZE).astype(np.intp))
     if parameters.shaped or parameters.coupled:
-        pressed = pressed_alone(parameters.columns(sample), request)
-        return _whole_lines(parameters, ("load", "approach")) if pressed.all() else _SLOW_CHUNK
-    of_lines = _whole_lines(parameters, ("friction", parameters.names[0]))
+        curved = on_curves(parameters.columns(sample), request)
+        return _whole_lines(parameters, ("load", "approach")) if curved.all() else _SLOW_CHUNK
+    line_chunk = _whole_lines(parameters, ("friction", parameters.names[0]))
     if not request.shared:
-        return of_lines
-    # these two the spectra have only where nothing slips
-    of_slip = frozenset(request.quantities) & {"stick_radius", "total_shear"}
-    if of_slip and not (parameters.columns(sample).friction == np.inf).all():
-        return of_lines
+        return line_chunk
+    # the spectra have these two quantities only where nothing slips
+    slip_quantities = frozenset(request.quantities) & {"stick_radius", "total_shear"}
+    if slip_quantities and not (parameters.columns(sample).friction == np.inf).all():
+        return line_chunk
     served = eligible(parameters.columns(sample), request)
-    return _QUICK_CHUNK if served.mean() > 0.99 else of_lines
+    return _QUICK_CHUNK if served.mean() > 0.99 else line_chunk
 
 
 def _whole_lines(parameters: SweepParameters, names: tuple[str, str]) -> int:
@@ -339,7 +343,7 @@ def _whole_lines(parameters: SweepParameters, names: tuple[str, str]) -> int:
     """
     first, second = (int(np.size(parameters.axes.get(name, 0.0))) for name in names)
     for line in (first * second, first):
-        if LEAST <= line <= _LONGEST:
+        if LEAST <= line <= _LONGEST_LINE:
             return line * -(-_CHUNK // line)
     return _CHUNK
 
@@ -366,27 +370,27 @@ def _refuse_rivals(axes: Mapping[str, Any]) -> None:
     """Refuse two parameters of which a scene has only one: one of them would be ignored."""
     if axes[KAPPA] is not None and axes[PARAMETERS[0]] is not None:
         raise SceneError(KAPPA, axes[KAPPA], f"None where {PARAMETERS[0]} is given")
-    pressed = [name for name in ALL_CONTROLS if axes[name] is not None]
-    if len(pressed) > 1:
-        told = f"left out if {pressed[1]} is given: vary one of load, approach, contact radius"
-        raise SceneError(pressed[0], axes[pressed[0]], told)
+    controls = [name for name in ALL_CONTROLS if axes[name] is not None]
+    if len(controls) > 1:
+        allowed = f"left out if {controls[1]} is given: vary one of load, approach, contact radius"
+        raise SceneError(controls[0], axes[controls[0]], allowed)
 
 
 def _several(scenes: Any) -> tuple[Scene, ...]:
     """Return the scenes of a list, at least one."""
     try:
-        several = iter(scenes)
+        items = iter(scenes)
     except Exception:  # not a list, or a broken one
         raise SceneError("scenes", scenes, "a Scene or a list of them") from None
-    found: list[Scene] = []
-    for scene in several:
+    checked_scenes: list[Scene] = []
+    for scene in items:
         # at once, for an iterator of other things may have no end
         if not isinstance(scene, Scene):
-            raise SceneError(f"scenes[{len(found)}]", scene, "a Scene")
-        found.append(scene)
-    if not found:
+            raise SceneError(f"scenes[{len(checked_scenes)}]", scene, "a Scene")
+        checked_scenes.append(scene)
+    if not checked_scenes:
         raise SceneError("scenes", [], "at least one Scene")
-    return tuple(found)
+    return tuple(checked_scenes)
 
 
 def _collected(

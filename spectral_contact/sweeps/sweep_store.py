@@ -43,7 +43,7 @@ _AGAIN: Final = "delete this file, and it is solved again"
 #: Members of a chunk's file besides its values.
 _ENDINGS, _HEADER = ".endings", ".header"
 _KEYS: Final = ("schema", "version", "sweep", "number", "messages")
-_SUM: Final = "sha256"
+_DIGEST_KEY: Final = "sha256"
 
 
 class Store:
@@ -75,10 +75,10 @@ class Store:
             document = json.loads(content.decode())
             check_schema(document, "store of a sweep", _SCHEMA, _VERSION)
             if document.get("sweep") != sweep:
-                told = difference(document.get("sweep"), sweep)
-                if told.startswith("scenes "):  # nobody can read a digest
-                    told = "other scenes"
-                raise Refused(f"it is of a sweep with {told}: {_OTHER}")
+                text = difference(document.get("sweep"), sweep)
+                if text.startswith("scenes "):  # nobody can read a digest
+                    text = "other scenes"
+                raise Refused(f"it is of a sweep with {text}: {_OTHER}")
 
     def _begin(self, manifest: Path, sweep: dict[str, Any]) -> None:
         """Say of which sweep this store is, unless another process has just done so."""
@@ -103,7 +103,7 @@ class Store:
         members = {**outcome.values, _ENDINGS: outcome.endings}
         values = (_CHUNK_SCHEMA, _VERSION, self._sweep, number, messages)
         header: dict[str, Any] = dict(zip(_KEYS, values, strict=True))
-        text = json.dumps({**header, _SUM: _digest(header, members)})
+        text = json.dumps({**header, _DIGEST_KEY: _digest(header, members)})
         members[_HEADER] = np.frombuffer(text.encode(), dtype=np.uint8)
         content = io.BytesIO()
         np.savez(content, **members)  # type: ignore[arg-type]  # of NumPy's stub
@@ -117,14 +117,14 @@ class Store:
             values = _members(content)
             header = json.loads(values.pop(_HEADER).tobytes().decode())
             check_schema(header, "chunk of a sweep", _CHUNK_SCHEMA, _VERSION)
-            complaint = key_complaint(header, (*_KEYS, _SUM))
+            complaint = key_complaint(header, (*_KEYS, _DIGEST_KEY))
             if complaint:
                 raise Refused(f"{complaint}: {_AGAIN}")
             if header["sweep"] != self._sweep:
                 raise Refused(f"it is of another sweep: {_AGAIN}")
             if header["number"] != number:
                 raise Refused(f"it is chunk {shown(header['number'])} of the sweep: {_AGAIN}")
-            if header.pop(_SUM) != _digest(header, values):
+            if header.pop(_DIGEST_KEY) != _digest(header, values):
                 raise Refused(f"its contents are not those that were stored: {_AGAIN}")
             endings, messages = values.pop(_ENDINGS), header["messages"]
             return Outcome(values, endings, {int(i): text for i, text in messages.items()})

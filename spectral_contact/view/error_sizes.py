@@ -1,4 +1,4 @@
-"""What the error estimates of fields are relative to, and the errors of factors to SI units."""
+"""The sizes that error estimates of fields are relative to, and errors of factors to SI units."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class ErrorSizes:
         self._field = field
 
     def at(self, name: str, values: Array, places: Array) -> Array:
-        """Return what errors of a field are relative to, at each place.
+        """Return the size that errors of a field are relative to, at each place.
 
         Parameters
         ----------
@@ -83,8 +83,8 @@ class ErrorSizes:
         """
         scene = self._scene
         # the largest value is that over the whole contact, wherever values are given
-        known_sizes = np.append(self._on_rings(name), np.abs(values[np.isfinite(values)]))
-        largest = np.max(known_sizes, initial=0.0) or 1.0
+        field_sizes = np.append(self._on_rings(name), np.abs(values[np.isfinite(values)]))
+        largest = np.max(field_sizes, initial=0.0) or 1.0
         if name == "slip":
             return np.full(len(values), largest)
         sizes = np.abs(values)
@@ -92,8 +92,8 @@ class ErrorSizes:
             limit = self._field("pressure")(places) * (scene.friction or 0.0)
             for zone in self._solution.zones:
                 if zone.memory:
-                    within = (places <= zone.inner_from_edge) & (places >= zone.outer_from_edge)
-                    sizes = np.where(within, limit, sizes)
+                    in_zone = (places <= zone.inner_from_edge) & (places >= zone.outer_from_edge)
+                    sizes = np.where(in_zone, limit, sizes)
         if scene.profile is not None:
             if name == "traction":
                 return np.full(len(values), largest)
@@ -102,14 +102,14 @@ class ErrorSizes:
             # p or q may change sign: the error of each is relative to the two together, as
             # q/s and kappa p act on each other (docs/coupling)
             s = 1.0 - places
-            p, q = (self._field(one)(places) for one in ("pressure", "traction"))
+            p, q = (self._field(field)(places) for field in ("pressure", "traction"))
             q_over_s = np.divide(q, s, out=np.zeros_like(q), where=s > 0.0)
             if name == "pressure":
                 sizes = np.hypot(p, q_over_s)
             else:
-                both = s * np.hypot(q_over_s, scene.kappa * p)
+                both_sizes = s * np.hypot(q_over_s, scene.kappa * p)
                 # next to a smooth edge that sticks p is infinite, and the traction is not
-                sizes = np.where(np.isfinite(both), both, sizes)
+                sizes = np.where(np.isfinite(both_sizes), both_sizes, sizes)
         return np.where(sizes == 0.0, largest, sizes)
 
     def mean(self, name: str) -> float:
@@ -126,12 +126,13 @@ class ErrorSizes:
         """Return the mean pressure over the contact of a profile."""
         try:
             load, a = (
-                checks.scalar(f"truth.{of}", getattr(self._solution, of)) for of in OF_MEAN_PRESSURE
+                checks.scalar(f"truth.{quantity}", getattr(self._solution, quantity))
+                for quantity in OF_MEAN_PRESSURE
             )
         except NotComputedError:
             if endless(self._scene):  # there is no edge, within which a mean could be taken
                 raise
             return self.mean("pressure")
-        scales: dict[str, float] = getattr(self._solution, "error_scales", {})
-        # with adhesion it may be zero
-        return scales.get("load", abs(load)) / (np.pi * a**2)
+        # with adhesion the load may be zero, and its error is relative to another size
+        error_sizes: dict[str, float] = getattr(self._solution, "error_scales", {})
+        return error_sizes.get("load", abs(load)) / (np.pi * a**2)

@@ -54,35 +54,37 @@ def report(solution: Solution, remarks: Sequence[str] = ()) -> str:
     if remarks:
         parts.append("\n".join(["remarks", *map(_indented, remarks)]))
     if "zones" in solution.plan.quantities:
-        none = "zones\n  none: without friction there is neither stick nor slip"
-        parts.append(table(zone_cells(solution)) if solution.zones else none)
+        without_zones = "zones\n  none: without friction there is neither stick nor slip"
+        parts.append(table(zone_cells(solution)) if solution.zones else without_zones)
     parts += [f"plan\n{_indented(str(solution.plan))}", _work_table(solution)]
     if solution.less_certain:
         parts.append(_less_certain(solution))
-    why = solution.ending.value
-    verdict = "yes" if solution.converged else f"no. {why[:1].upper()}{why[1:]}"
+    ending_text = solution.ending.value
+    verdict = "yes" if solution.converged else f"no. {ending_text[:1].upper()}{ending_text[1:]}"
     parts.append(f"converged: {verdict}")
     return "\n\n".join(parts)
 
 
 def _on_adhesion(solution: Solution) -> list[str]:
-    """Return under what control an adhesive contact is stable, and if its approach is negative."""
-    told = []
+    """Return remarks on an adhesive contact: its stability, and a negative approach."""
+    remarks = []
     stable = solution.values.get("stable_under")
     if stable is not None:
-        held = " and of the ".join(stable)
-        told = [f"stable under control of the {held}" if stable else "stable under no control"]
+        controls = " and of the ".join(stable)
+        remarks = [
+            f"stable under control of the {controls}" if stable else "stable under no control"
+        ]
     if solution.scene.work_of_adhesion is not None and solution.values.get("approach", 0.0) < 0.0:
-        told.append(_RETRACTED)
-    return told
+        remarks.append(_RETRACTED)
+    return remarks
 
 
 def _less_certain(solution: Solution) -> str:
-    """Return which quantities are not known to rtol, and why."""
+    """Return the quantities whose errors are above rtol, with the errors, and why."""
     lines = [f"less certain than rtol = {solution.rtol:.1e}"]
     for name, error in solution.less_certain.items():
-        known = f"{error:.1e}" if error < 1.0 else "no digit is known"
-        lines.append(f"  {name.replace('_', ' ')}: {known}")
+        error_text = f"{error:.1e}" if error < 1.0 else "no digit is known"
+        lines.append(f"  {name.replace('_', ' ')}: {error_text}")
     if solution.converged:
         lines.append("  zone boundaries and slip are as certain as their conditioning allows")
     return "\n".join(lines)
@@ -92,10 +94,10 @@ def report_inside(body: Inside) -> str:
     """Return the largest stresses in a body, and the energies."""
     cells: list[tuple[str, ...]] = [("", "largest", "at r", "at z", "error", "")]
     for name in ("von_mises", "max_shear", "surface_tension"):
-        found = body.largest(name)
-        value = "-" if found.value is None else f"{found.value:.12g}"
-        error = "-" if found.error is None else f"{found.error:.1e}"
-        cells.append((name, value, f"{found.r:.8g}", f"{found.z:.8g}", error, found.remark))
+        extreme = body.largest(name)
+        value = "-" if extreme.value is None else f"{extreme.value:.12g}"
+        error = "-" if extreme.error is None else f"{extreme.error:.1e}"
+        cells.append((name, value, f"{extreme.r:.8g}", f"{extreme.z:.8g}", error, extreme.remark))
     try:
         energies = body.energies()
     except NotComputedError as missing:
@@ -107,7 +109,8 @@ def report_inside(body: Inside) -> str:
 
 def write_csv(solution: Solution, path: str | os.PathLike[str]) -> None:
     """Write the fields over graded radii; the scalars and the zones are comments."""
-    path, columns = path_text(path), _csv_columns(solution)
+    path = path_text(path)
+    columns = _csv_columns(solution)
     lines = [f"# {line}" for line in _csv_comments(solution)]
     lines.append(",".join(columns))
     for row in zip(*(column.tolist() for column in columns.values()), strict=True):
@@ -118,24 +121,25 @@ def write_csv(solution: Solution, path: str | os.PathLike[str]) -> None:
 
 def _csv_columns(solution: Solution) -> dict[str, Any]:
     """Return radii, fields, and the estimates of their relative errors."""
-    radii, present = graded_radii(solution), solution.plan.quantities
+    radii = graded_radii(solution)
+    quantities = solution.plan.quantities
     columns: dict[str, Any] = {"s": radii.s, "one_minus_s": radii.from_edge}
-    if not set(FIELDS).intersection(present):
+    if not set(FIELDS).intersection(quantities):
         reason = dict(solution.plan.missing).get("pressure", "it was not asked for")
         raise NotComputedError(f"a field to write ({', '.join(FIELDS)})", reason)
     friction = solution.scene.friction
-    if "pressure" in present:
+    if "pressure" in quantities:
         columns["p"] = radii.evaluate(solution.pressure)
-    if "traction" in present:
+    if "traction" in quantities:
         columns["q"] = radii.evaluate(solution.traction)
-    if "pressure" in present and friction is not None and math.isfinite(friction):
+    if "pressure" in quantities and friction is not None and math.isfinite(friction):
         # not 0 * inf at the edge of a smooth surface
         columns["f_p"] = friction * columns["p"] if friction else np.zeros(len(radii.s))
-    if "slip" in present:
+    if "slip" in quantities:
         columns["slip"] = radii.evaluate(solution.slip)
     for name, column in zip(FIELDS, ("p", "q", "slip"), strict=True):
         error = getattr(solution.error, name)
-        if name in present and error is not None:
+        if name in quantities and error is not None:
             columns[f"{column}_error"] = np.full(len(radii.s), error)
     return columns
 
@@ -152,10 +156,10 @@ class _Row:
     #: None if it is not known
     scale: float | None = 1.0
     #: if the value is not known: the quantity that would have to be asked for
-    takes: str = ""
+    missing_quantity: str = ""
 
     @property
-    def own_error(self) -> float | None:
+    def relative_error(self) -> float | None:
         """The error relative to the value."""
         if self.scale is None:
             return None
@@ -182,8 +186,8 @@ def _si_rows(solution: Solution) -> list[_Row]:
     rows = _scalars(physical, solution, units)
     flat = solution.scene.profile is None
     if flat:
-        load, takes = if_known(lambda: physical.load)
-        rows.insert(0, _Row("load", load, "N", 0.0, takes=takes))
+        load, missing_quantity = if_known(lambda: physical.load)
+        rows.insert(0, _Row("load", load, "N", 0.0, missing_quantity=missing_quantity))
     if flat and data.approach is not None:
         rows = [replace(row, error=0.0) if row.label == "approach" else row for row in rows]
     return [_with_error_of_unit(row, solution) for row in rows if row.unit]
@@ -197,7 +201,7 @@ def _with_error_of_unit(row: _Row, solution: Solution) -> _Row:
 
 
 def _error_of_unit(name: str, solution: Solution) -> float:
-    return error_of_unit(solution.scene, name, lambda of: getattr(solution.error, of))
+    return error_of_unit(solution.scene, name, lambda quantity: getattr(solution.error, quantity))
 
 
 def _scalars(
@@ -206,19 +210,20 @@ def _scalars(
     """Return fields at centre and edge, and scalars, of a solution or of its SI view."""
     rows = []
     for name in solution.plan.quantities:
-        unit, error = units.get(name, ""), getattr(solution.error, name)
+        unit = units.get(name, "")
+        error = getattr(solution.error, name)
         if name == "pressure":
-            centre, takes = if_known(lambda: float(source.pressure(0.0)))
+            centre, missing_quantity = if_known(lambda: float(source.pressure(0.0)))
             scale = _error_scale_at(name, solution, 1.0)
-            rows.append(_Row("pressure, centre", centre, unit, error, scale, takes))
+            rows.append(_Row("pressure, centre", centre, unit, error, scale, missing_quantity))
         if name in FIELDS and _has_edge_value(name, solution.scene):
-            edge, takes = if_known(partial(_edge_value, source, name))
+            edge, missing_quantity = if_known(partial(_edge_value, source, name))
             scale = _error_scale_at(name, solution, 0.0)
-            rows.append(_Row(f"{name}, edge", edge, unit, error, scale, takes))
+            rows.append(_Row(f"{name}, edge", edge, unit, error, scale, missing_quantity))
         elif name not in (*FIELDS, "zones"):
-            value, takes = if_known(partial(getattr, source, name))
+            value, missing_quantity = if_known(partial(getattr, source, name))
             scale = relative_to(name, solution)
-            rows.append(_Row(name.replace("_", " "), value, unit, error, scale, takes))
+            rows.append(_Row(name.replace("_", " "), value, unit, error, scale, missing_quantity))
     return rows
 
 
@@ -227,7 +232,7 @@ def _edge_value(source: Solution | PhysicalSolution, name: str) -> float:
 
 
 def _error_scale_at(name: str, solution: Solution, from_edge: float) -> float | None:
-    """Return what the error of a field is relative to, over the modulus of its value there.
+    """Return the scale that the error of a field is relative to, over the modulus of its value.
 
     It is 1 where the value is 0 or not finite, and None where it would take a field that was not
     asked for.
@@ -268,7 +273,8 @@ def relative_to(name: str, solution: Solution) -> float:
 
     It is 1 if the scale is the value, as of all quantities that cannot vanish.
     """
-    scale, value = solution.error_scales.get(name), solution.values.get(name)
+    scale = solution.error_scales.get(name)
+    value = solution.values.get(name)
     if scale is None or value is None or math.isinf(value):
         return 1.0
     return scale / abs(value) if value else math.inf
@@ -289,12 +295,12 @@ def scene_text(scene: Scene) -> str:
 
 
 def _load_text(scene: Scene) -> str:
-    """Return to what part of its largest load a scene is unloaded."""
+    """Return the load ratio of a scene below its largest load as text."""
     return "" if scene.unloaded_to == 1.0 else f", unloaded to {scene.unloaded_to!r}"
 
 
 def _material_text(scene: Scene) -> str:
-    """Return what decides on the traction: kappa of two bodies, or Poisson's ratio, if known."""
+    """Return kappa of two bodies, or Poisson's ratio, if known: the traction depends on it."""
     if scene.mismatch is not None:
         return f"kappa = {scene.mismatch!r}, "
     return "" if scene.poisson_ratio is None else f"nu = {scene.poisson_ratio!r}, "
@@ -304,19 +310,19 @@ def _moduli_text(scene: Scene, data: PhysicalData) -> str:
     """Return the materials of SI data: of one body, of both, or what they are together."""
     if data.reduced_modulus is not None:
         return f"E* = {data.reduced_modulus!r} Pa"
-    own = f"E = {data.youngs_modulus!r} Pa"
+    body = f"E = {data.youngs_modulus!r} Pa"
     if data.punch_youngs_modulus is None:
-        return own
+        return body
     punch = f"E = {data.punch_youngs_modulus!r} Pa, nu = {data.punch_poisson_ratio!r}"
-    return f"{own}, nu = {scene.poisson_ratio!r}; punch: {punch}"
+    return f"{body}, nu = {scene.poisson_ratio!r}; punch: {punch}"
 
 
 def _shape_text(scene: Scene) -> str:
-    """Return the profile, and what is given of the contact."""
+    """Return the profile, the layer, and the given load, approach, radius or separation."""
     if scene.profile is None:
         return ""
     given = {name: getattr(scene, name) for name in ALL_CONTROLS}
-    [control] = [f"{name} = {one!r}" for name, one in given.items() if one is not None]
+    [control] = [f"{name} = {value!r}" for name, value in given.items() if value is not None]
     layer = "" if scene.layer is None else f", {scene.layer.brief}"
     if scene.work_of_adhesion is not None:
         layer += f", w = {scene.work_of_adhesion!r}"
@@ -333,7 +339,7 @@ def _scene_text(solution: Solution) -> str:
             "delta": data.approach,
             "d": data.separation,
         }
-        given = [f"{name} = {one!r} m" for name, one in lengths.items() if one is not None]
+        given = [f"{name} = {length!r} m" for name, length in lengths.items() if length is not None]
         given += [] if data.load is None else [f"P = {data.load!r} N"]
         layer = f"alpha = {data.normal_compliance!r} m/Pa"
         if data.layer is not None:
@@ -359,15 +365,17 @@ def _quantity_cells(rows: list[_Row], title: str) -> list[tuple[str, ...]]:
     cells: list[tuple[str, ...]] = [(title, "value", "error estimate")]
     for row in rows:
         unit = "" if row.value is None else row.unit
-        value = f"{digits_text(row.value, row.own_error)} {unit}".rstrip()
-        if row.takes:
-            value = f"not known without {row.takes}"
-        cells.append((row.label, value, "-" if row.value is None else estimate_text(row.own_error)))
+        value = f"{digits_text(row.value, row.relative_error)} {unit}".rstrip()
+        if row.missing_quantity:
+            value = f"not known without {row.missing_quantity}"
+        cells.append(
+            (row.label, value, "-" if row.value is None else estimate_text(row.relative_error))
+        )
     return cells
 
 
 def _zone_text(zone: Zone) -> str:
-    """Return what a zone does: stick, stick with memory, slip or slip back."""
+    """Return the kind of a zone: stick, stick with memory, slip or slip back."""
     if zone.kind == "stick":
         return "stick, memory" if zone.memory else "stick"
     return "slip" if zone.sense > 0 else "slip back"
@@ -375,7 +383,8 @@ def _zone_text(zone: Zone) -> str:
 
 def zone_cells(solution: Solution) -> list[tuple[str, ...]]:
     """Return the table of the zones; only its heading if there are none."""
-    zones, estimate = solution.zones, solution.error.zones
+    zones = solution.zones
+    estimate = solution.error.zones
     cells: list[tuple[str, ...]] = [("zones", "from", "to", "1 - to", "error estimate")]
     for zone in zones:
         radii = (zone.inner, zone.outer, zone.outer_from_edge)
@@ -383,8 +392,10 @@ def zone_cells(solution: Solution) -> list[tuple[str, ...]]:
             (_zone_text(zone), *(digits_text(r, estimate) for r in radii), estimate_text(estimate))
         )
     if solution.scene.physical is not None and not if_known(lambda: solution.physical.radius)[1]:
-        known = None if estimate is None else estimate + _error_of_unit("stick_radius", solution)
-        metres = (digits_text(zone.outer, known) for zone in solution.physical.zones)
+        metre_estimate = (
+            None if estimate is None else estimate + _error_of_unit("stick_radius", solution)
+        )
+        metres = (digits_text(zone.outer, metre_estimate) for zone in solution.physical.zones)
         cells = [(*row, cell) for row, cell in zip(cells, ("to [m]", *metres), strict=True)]
     return cells
 
@@ -450,12 +461,12 @@ def _csv_comments(solution: Solution) -> list[str]:
     for row in (*_rows(solution), *_si_rows(solution)):
         unit = f" {row.unit}" if row.unit and row.value is not None else ""
         value = "none" if row.value is None else repr(row.value)
-        if row.takes:
-            value = f"not known without {row.takes}"
-        # an error may be known, and not what it is relative to
-        known = row.value is not None and row.own_error is not None
-        error = f"relative error {row.own_error:.1e}" if row.own_error else "exact"
-        estimate = f" ({error})" if known else ""
+        if row.missing_quantity:
+            value = f"not known without {row.missing_quantity}"
+        # an error may be known without the scale that it is relative to
+        has_error = row.value is not None and row.relative_error is not None
+        error = f"relative error {row.relative_error:.1e}" if row.relative_error else "exact"
+        estimate = f" ({error})" if has_error else ""
         lines.append(f"{row.label} = {value}{unit}{estimate}")
     if "zones" in solution.plan.quantities:
         for zone in solution.zones:

@@ -57,7 +57,7 @@ class Watched(ThreadPoolExecutor):
 
 
 def test_chunks_are_handed_in_a_few_at_a_time(expected, monkeypatch):
-    monkeypatch.setattr(chunk, "_AHEAD", 2)
+    monkeypatch.setattr(chunk, "_MOST_SUBMITTED", 2)
     with Watched() as pool:
         assert sweep(BASE, **ASKED, executor=pool).identical(expected)
     assert len(pool.futures) == 4

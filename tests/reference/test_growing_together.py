@@ -11,7 +11,7 @@ from oracles.spence import Collocation
 
 from spectral_contact import NotComputedError, Scene, plan, profiles, solve
 from spectral_contact.equations import residuals
-from spectral_contact.solving.outside import outside_displacement, reached
+from spectral_contact.solving.outside import outside_displacement, outside_values
 
 PARABOLA, CONE = profiles.Parabola(1.0), profiles.Cone(1.0)
 TABLE = profiles.Sampled.from_points((0.0, 0.3, 0.6, 1.3), (0.0, 0.04, 0.2, 1.2))
@@ -295,7 +295,7 @@ def test_load_and_approach_of_spence_are_within_their_estimates(profile, power):
     t, step = np.linspace(-60.0, 60.0, 601, retstep=True)
     ahead = np.log1p(np.exp(-t))
     growth = step * power * np.exp(-power * ahead) / (1.0 + np.exp(t))
-    around = 1.0 - reached([outside_displacement(flat)], ahead)[0]
+    around = 1.0 - outside_values([outside_displacement(flat)], ahead)[0]
     approach = float(profile.height(1.0)) / float(growth @ around)
     load = power / (power + 1.0) * approach / flat.approach
     found = solved(profile, 0.0, 0.0, friction, 1e-10)

@@ -305,7 +305,7 @@ def _refined(factors: DoubleFactors, trial: UnloadedTrial, flat: Ints, goal: flo
     for _ in range(STEPS):
         step = -factors.solved(trial._f.floats(trial.residual(flat)))
         flat = np.asarray(flat + trial._f.of(step))
-        if trial.problem.share(step, flat) <= goal:
+        if trial.problem.relative_step(step, flat) <= goal:
             return flat
     raise ConvergenceError("the tractions do not settle", "ask for fewer digits")
 

@@ -39,16 +39,26 @@ REFUSALS = {
         np.linalg.LinAlgError,
     )
 }
-#: Scenes that a process is given at once, and the seconds from table to table.
-CHUNK, PAUSE = 10, 30.0
+#: Number of scenes that a process is given at once.
+CHUNK = 10
+#: Seconds between two writings of the table.
+PAUSE = 30.0
 TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """True errors over their estimates by quantity, what the scene is, and whether it converged.
+    """The comparison of one scene with its truth.
 
-    The last is None where a scene is many solves.
+    Attributes
+    ----------
+    ratios : dict of str to float
+        True errors over their estimates, by quantity.
+    label : str
+        The scene in words.
+    converged : bool or None
+        Whether the solution says that it met its tolerance; None where a scene takes many solves,
+        and such a statement is not counted.
     """
 
     ratios: dict[str, float]
@@ -58,7 +68,29 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Stratum:
-    """Scenes of one kind; strata.toml says what these attributes are."""
+    """Scenes of one kind, a table of strata.toml.
+
+    Attributes
+    ----------
+    name : str
+        Of the table, and of the function that draws, solves and compares a scene.
+    module : str
+        Module with this function.
+    title : str
+        Of the page of results.
+    scenes : int
+        How many are drawn by default.
+    key : list of int or None
+        If it is a list, each scene has a generator of its own. The seed of this generator is made
+        of the seed of the run, the number of the scene and these numbers. If it is None, one
+        generator draws all scenes in turn.
+    refusals : sequence of str
+        Names of exceptions by which the library or the truth refuses a scene.
+    refused : str
+        Sentence of the page about refused scenes, with braces for their number.
+    compared : str
+        The meaning of the numbers of the table, for the page.
+    """
 
     name: str
     module: str
@@ -70,14 +102,14 @@ class Stratum:
     compared: str = "true error over its estimate"
 
     def outcomes(self, seed: int, scenes: int, workers: int) -> Iterator[Outcome | None]:
-        """Yield what becomes of each scene; None where the truth or the solver refuses it."""
+        """Yield the outcome of each scene; None where the truth or the solver refuses it."""
         if self.key is not None:
             return in_order(partial(self.outcome, seed), range(scenes), workers)
         rng = np.random.default_rng(seed)
         return (self.outcome(rng, number) for number in range(scenes))
 
     def outcome(self, begin: int | np.random.Generator, number: int) -> Outcome | None:
-        """Return what becomes of a scene, from a seed or from the generator of all scenes."""
+        """Return the outcome of a scene, drawn by a seed or by the generator of all scenes."""
         measured = getattr(import_module(self.module), self.name)
         if isinstance(begin, int):
             begin = np.random.default_rng([begin, number, *(self.key or ())])
@@ -94,18 +126,21 @@ def strata() -> dict[str, Stratum]:
 
 
 def command(stratum: Stratum, arguments: Sequence[str]) -> bool:
-    """Run a stratum as the command line says; those that are drawn in turn have no workers."""
-    more = {"scenes": stratum.scenes, "seed": 1, "workers": 1}
-    asked = reporting.options(stratum.title, arguments, **more)
-    return run(stratum, asked.scenes, asked.seed, asked.workers)
+    """Run a stratum with the options of the command line.
+
+    A stratum without `key`, whose scenes are drawn in turn, takes no notice of the workers.
+    """
+    defaults = {"scenes": stratum.scenes, "seed": 1, "workers": 1}
+    options = reporting.options(stratum.title, arguments, **defaults)
+    return run(stratum, options.scenes, options.seed, options.workers)
 
 
 def in_order(work: Callable[[int], Any], numbers: Iterable[int], workers: int) -> Iterator[Any]:
-    """Yield what some processes make of numbers, in their order."""
+    """Yield the results of a function at some numbers, in their order, from several processes."""
     if workers == 1:
         yield from map(work, numbers)
         return
-    # ended from outside, the processes end, too
+    # if this process is ended from outside, the others end, too
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context) as pool:
@@ -120,10 +155,11 @@ def store_of(name: str) -> str:
 def kept_rows(
     work: Callable[[int], dict[str, Any]], count: int, workers: int, store: str, **made_with: Any
 ) -> list[dict[str, Any]]:
-    """Return what becomes of scenes; a file keeps each that is done as a line.
+    """Return the rows of scenes, which `work` makes; a file keeps each row as a line of JSON.
 
-    A run that was stopped goes on where it was. Lines that another state of the library made, or
-    other values of `made_with`, are ignored.
+    A run that was stopped goes on where it was. Each line also has the values of `made_with`, and
+    as "sources" a digest of the library's source files. Lines in which any of these differ from
+    those of this run are ignored.
     """
     made_with |= {"sources": reporting.sources()}
     rows = {
@@ -146,7 +182,7 @@ def run(stratum: Stratum, scenes: int, seed: int, workers: int = 1) -> bool:
 
     Returns whether an estimate failed, or no scene was compared.
     """
-    found: list[Outcome] = []
+    compared_scenes: list[Outcome] = []
     violations: list[str] = []
     unmet: list[str] = []
     refused = 0
@@ -157,24 +193,31 @@ def run(stratum: Stratum, scenes: int, seed: int, workers: int = 1) -> bool:
             refused += 1
         else:
             label = f"scene {done - 1}: {outcome.label}"
-            found.append(outcome)
+            compared_scenes.append(outcome)
             unmet += [f"not met: {label}"] if outcome.converged is False else []
-            new = [f"{key} {r:.2f}, {label}" for key, r in outcome.ratios.items() if violates(r)]
-            print(*new, sep="\n", end="\n" * bool(new), flush=True)
-            violations += new
+            new_violations = [
+                f"{key} {r:.2f}, {label}" for key, r in outcome.ratios.items() if violates(r)
+            ]
+            print(*new_violations, sep="\n", end="\n" * bool(new_violations), flush=True)
+            violations += new_violations
         if done == scenes or monotonic() > written + PAUSE:
-            judged = any(one.converged is not None for one in found)
-            said = f"; {len(unmet)} scenes did not meet their tolerance and said so" * judged
-            about = (
-                f"{done} random scenes, seed {seed}, by validation/honesty/honesty.py "
-                f"{stratum.name}: {stratum.compared}{said}; {stratum.refused.format(refused)}."
+            some_judged = any(note.converged is not None for note in compared_scenes)
+            unmet_text = (
+                f"; {len(unmet)} scenes did not meet their tolerance and said so" * some_judged
             )
-            notes = "\n".join(f"- {one}" for one in (*violations, *unmet))
-            text = f"# {stratum.title}\n\n{about}\n\n{table(found)}\n\n{notes}".rstrip()
+            subtitle = (
+                f"{done} random scenes, seed {seed}, by validation/honesty/honesty.py "
+                f"{stratum.name}: {stratum.compared}{unmet_text}; "
+                f"{stratum.refused.format(refused)}."
+            )
+            notes = "\n".join(f"- {note}" for note in (*violations, *unmet))
+            text = (
+                f"# {stratum.title}\n\n{subtitle}\n\n{table(compared_scenes)}\n\n{notes}".rstrip()
+            )
             (RESULTS / f"honesty_{stratum.name}.md").write_text(f"{text}\n", encoding="utf-8")
             written = monotonic()
     print(text)
-    return bool(violations) or not found
+    return bool(violations) or not compared_scenes
 
 
 def violates(ratio: float) -> bool:
@@ -182,15 +225,15 @@ def violates(ratio: float) -> bool:
     return not ratio <= 1.0
 
 
-def table(found: Iterable[Outcome]) -> str:
+def table(compared_scenes: Iterable[Outcome]) -> str:
     """Return a table with a row for each quantity."""
     ratios: dict[str, list[float]] = {}
-    for outcome in found:
+    for outcome in compared_scenes:
         for name, ratio in outcome.ratios.items():
             ratios.setdefault(name, []).append(ratio)
     rows = []
-    for name, some in ratios.items():
-        cells = f"{np.max(some):.2g}", f"{np.median(some):.2g}", sum(map(violates, some))
+    for name, values in ratios.items():
+        cells = f"{np.max(values):.2g}", f"{np.median(values):.2g}", sum(map(violates, values))
         rows.append((name.replace("_", " "), *cells))
     return reporting.table("quantity | largest | median | violations", rows)
 
@@ -226,14 +269,14 @@ def over_estimates(
     rounding : float
         Error that no estimate has.
     sizes : mapping, optional
-        What errors are relative to, where it is not the truth.
+        The numbers that errors are relative to, where these are not the true values.
     """
     ratios = {}
     for name in names:
         true = getattr(truth, name)
         size = max(abs(true), TINY) if name not in (sizes or {}) else sizes[name]
-        off = float(abs(getattr(found, name) - true) / size)
-        ratios[name] = off / _room(found, truth, name, rounding)
+        error = float(abs(getattr(found, name) - true) / size)
+        ratios[name] = error / _allowed_error(found, truth, name, rounding)
     return ratios
 
 
@@ -247,26 +290,27 @@ def fields_over_estimates(
 ) -> dict[str, float]:
     """Return the largest errors of the fields that were asked for over their estimates.
 
-    They are relative to the largest value, those of a pressure to itself or its mean, whichever is
-    larger; `load` is what the mean is of, where it is not the true load.
+    They are relative to the largest value; those of a pressure to its value there or its mean,
+    whichever is larger. `load` is that of the mean, where it is not the true load.
     """
     ratios = {}
     for name in names:
         if getattr(found.error, name) is None:
             continue
-        mine, true = (
+        values, true_values = (
             np.asarray(getattr(one, name)(from_edge=from_edge)).astype(float)
             for one in (found, truth)
         )
-        size = max(np.abs(true).max(), TINY)
+        size = max(np.abs(true_values).max(), TINY)
         if name == "pressure":
             mean = float(load or truth.load) / (math.pi * float(truth.contact_radius) ** 2)
-            size = np.maximum(np.abs(true), mean)
-        off = float((np.abs(mine - true) / size).max())
-        ratios[name] = off / _room(found, truth, name, rounding)
+            size = np.maximum(np.abs(true_values), mean)
+        error = float((np.abs(values - true_values) / size).max())
+        ratios[name] = error / _allowed_error(found, truth, name, rounding)
     return ratios
 
 
-def _room(found: Any, truth: Any, name: str, rounding: float) -> float:
+def _allowed_error(found: Any, truth: Any, name: str, rounding: float) -> float:
+    """Return the sum of the estimates of a solution and of its truth, and of the rounding."""
     estimates = (getattr(one.error, name) or 0.0 for one in (found, truth))
     return max(rounding + sum(estimates), TINY)  # what is given has no error

@@ -60,11 +60,11 @@ from spectral_contact.view.progress import ProgressLine
 if TYPE_CHECKING:
     import xarray
 
-#: At how many radii the largest traction is looked for (chosen).
-_LOOKS = 513
-#: A point that is closer to the edge, or to the surface, counts as being there: fourth powers of
-#: smaller distances underflow.
-_NEAREST = 1e-60
+#: Number of radii at which the largest traction is looked for (chosen).
+_TRACTION_RADII = 513
+#: A point that is closer than this to the edge, or to the surface, counts as being there: fourth
+#: powers of smaller distances underflow.
+_LEAST_DISTANCE = 1e-60
 #: The most points of one call, which takes some 1 kB of memory for each.
 _MOST_POINTS = 10**8
 
@@ -166,7 +166,7 @@ class Inside:
         solution = self._solution
         if solution.scene.profile is None:
             return 0.0, 0.0
-        s = np.linspace(0.0, 1.0, _LOOKS)
+        s = np.linspace(0.0, 1.0, _TRACTION_RADII)
         load = solution.error_scales.get("load", abs(solution.load))
         mean = load / (np.pi * solution.contact_radius**2)
         return mean, float(np.abs(solution.traction(s)).max())
@@ -196,7 +196,7 @@ class Inside:
             raise SceneError(f"number of points {name}", count, f"at most {_MOST_POINTS}")
         radius, distance, depth = np.broadcast_arrays(radius, distance, depth)
         radius, distance, depth = (np.ravel(one) for one in (radius, distance, depth))
-        distance, depth = (np.where(np.abs(x) < _NEAREST, 0.0, x) for x in (distance, depth))
+        distance, depth = (np.where(np.abs(x) < _LEAST_DISTANCE, 0.0, x) for x in (distance, depth))
         return BodyPoints(np.maximum(radius, AXIS), distance, depth), shape
 
     def displacement(
@@ -293,10 +293,10 @@ class Inside:
         error = stress_error(sums.values, self._errors(sums), self._nu)
         error = error + places.error_near_boundaries(points, self._solution)
         if self._units.names.si_length and from_edge is None:
-            error = error + self._lost_by_radius(points)
+            error = error + self._error_by_radius(points)
         return Stress(*_shaped(shape, *(four * self._units.stress), error))
 
-    def _lost_by_radius(self, points: BodyPoints) -> Array:
+    def _error_by_radius(self, points: BodyPoints) -> Array:
         """Return the relative error of stress at places in metres by that of the contact radius.
 
         An error of the contact radius is one of the distance of a place from the edge, towards
@@ -337,23 +337,23 @@ class Inside:
         NotComputedError
             If the approach was not asked for.
         """
-        moved = self.displacement(r, 0.0, from_edge=from_edge, rtol=rtol)
-        gap = self._approach - moved.z
+        displacement = self.displacement(r, 0.0, from_edge=from_edge, rtol=rtol)
+        gap = self._approach - displacement.z
         if self._other is not None:
-            facing = Inside(self._solution, self._units, self._other)
-            gap = gap - facing.displacement(r, 0.0, from_edge=from_edge, rtol=rtol).z
+            other_body = Inside(self._solution, self._units, self._other)
+            gap = gap - other_body.displacement(r, 0.0, from_edge=from_edge, rtol=rtol).z
         profile = self._solution.scene.profile
         if profile is not None:
             points, shape = self._points(r, 0.0, from_edge)
             radius = points.r.reshape(shape) * self._solution.contact_radius
-            # `gap` is so far how far the body's surface is above the face. Less the height of the
-            # profile it is the compression of the layer inside, and minus the distance outside.
+            # So far `gap` is the height of the body's surface above the face. Less the height of
+            # the profile it is the compression of the layer inside, and minus the gap outside.
             outside = points.from_edge.reshape(shape) < 0.0
             under_profile = radius <= profile.reach
             height = profile.height(np.where(under_profile, radius, 0.0))
             gap = np.where(outside, height - gap, gap - height)
             gap = np.where(under_profile, gap, np.nan)[()]
-        return Surface(moved.r, moved.z, gap, moved.error)
+        return Surface(displacement.r, displacement.z, gap, displacement.error)
 
     @property
     def _approach(self) -> float:
@@ -492,16 +492,16 @@ class Inside:
             For another measure.
         """
         choices.one_of("measure", measure, MEASURES)
-        own = self._unscaled
-        found = largest(
+        body = self._unscaled
+        extreme = largest(
             measure,
             self._solution,
             self._nu,
-            lambda points, rtol: own.stress(from_edge=points.from_edge, z=points.z, rtol=rtol),
+            lambda points, rtol: body.stress(from_edge=points.from_edge, z=points.z, rtol=rtol),
         )
-        value = None if found.value is None else found.value * self._units.stress
+        value = None if extreme.value is None else extreme.value * self._units.stress
         length = self._units.length
-        return replace(found, value=value, r=found.r * length, z=found.z * length)
+        return replace(extreme, value=value, r=extreme.r * length, z=extreme.z * length)
 
     def energies(self, *, progress: bool | None = None) -> Energies:
         """Return the balance of energy: work of the load, elastic energy, friction and a defect.
@@ -526,7 +526,7 @@ class Inside:
         """
         if self._solution.scene.mismatch is not None:
             raise NotComputedError("energies", "the load does work on both bodies together")
-        own = self._unscaled
+        body = self._unscaled
         units = self._units
         if self.flat:
             unit = units.stress * units.length**2 * units.displacement
@@ -536,7 +536,7 @@ class Inside:
             return energies(
                 self._solution,
                 self._sampler.mesh(TIGHT[1:]),
-                lambda points: own.displacement(from_edge=points.from_edge),
+                lambda points: body.displacement(from_edge=points.from_edge),
                 unit,
                 tell,
             )
@@ -565,9 +565,11 @@ def _only_body(solution: Solution) -> Material:
     """Return the half-space under a rigid punch."""
     scene = solution.scene
     if scene.poisson_ratio is None or scene.mismatch is not None:
-        told = "given, of a half-space under a rigid punch: of two elastic bodies with SI data "
-        told += "solution.physical.inside and solution.physical.punch_inside have the stress"
-        raise SceneError("poisson_ratio", scene.poisson_ratio, told)
+        allowed = (
+            "given, of a half-space under a rigid punch: of two elastic bodies with SI data "
+            "solution.physical.inside and solution.physical.punch_inside have the stress"
+        )
+        raise SceneError("poisson_ratio", scene.poisson_ratio, allowed)
     return Material(scene.poisson_ratio)
 
 

@@ -51,14 +51,14 @@ def energies(
         Shows the progress.
     """
     if solution.scene.unloaded_to < 1.0 and _slipped(solution):
-        told = "below the largest load, after slip, they are no functions of the state"
-        raise NotComputedError("energies", told)
+        reason = "below the largest load, after slip, they are no functions of the state"
+        raise NotComputedError("energies", reason)
     external, external_error = _external(solution)
     adhesion, scale = _adhesion(solution, external)
     parts, parts_error = _parts(solution, mesh, move, tell)
     error = parts_error + abs(external - adhesion - parts.sum()) + external_error * scale
     error += (solution.error.slip or 0.0) * abs(parts[2])
-    strain, layer, friction, defect = (float(one) * unit for one in parts)
+    strain, layer, friction, defect = (float(part) * unit for part in parts)
     return Energies(
         external=external * unit,
         strain=strain,
@@ -83,8 +83,8 @@ def _external(solution: Solution) -> tuple[float, float]:
         load = solution.scene.unloaded_to  # over the largest load
         return load * solution.approach / 2.0, solution.error.approach or 0.0
     if solution.traction_field is not None:
-        told = "the energy that friction dissipates in a growing contact depends on its history"
-        raise NotComputedError("energies", told)
+        reason = "the energy that friction dissipates in a growing contact depends on its history"
+        raise NotComputedError("energies", reason)
     work = solution.indentation_work / solution.contact_radius**2
     return work, solution.error.indentation_work or 0.0
 
@@ -114,19 +114,21 @@ def _parts(
     needed = np.flatnonzero(moduli > _NEGLIGIBLE * moduli.sum())
     parts = np.zeros(4)
     error = 0.0
-    for k, some in enumerate(np.array_split(needed, _PORTIONS)):
+    for k, portion in enumerate(np.array_split(needed, _PORTIONS)):
         tell("energies", k / _PORTIONS)
-        of_rings = _of_rings(solution, points[some], loads[:, some], load_inside[some], move)
-        parts = parts + of_rings[0]
-        error = error + of_rings[1]
+        added = _parts_of_rings(
+            solution, points[portion], loads[:, portion], load_inside[portion], move
+        )
+        parts = parts + added[0]
+        error = error + added[1]
     tell("energies", 1.0)
     return parts, error
 
 
-def _of_rings(
+def _parts_of_rings(
     solution: Solution, points: BodyPoints, loads: Array, load_inside: Array, move: Move
 ) -> tuple[Array, float]:
-    """Return what some rings add to the parts, and to the error of their sum.
+    """Return the contribution of some rings to the parts, and to the error of their sum.
 
     Parameters
     ----------
@@ -160,7 +162,7 @@ def _of_rings(
     # half of 2 pi, the s ds being in the loads
     parts = np.pi * np.stack([strain, layer, friction, defect])
     # each part has two factors, which are as wrong as the loads
-    of_loads = 2.0 * ((error.pressure or 0.0) + (error.traction or 0.0)) * np.abs(parts).sum()
+    load_errors = 2.0 * ((error.pressure or 0.0) + (error.traction or 0.0)) * np.abs(parts).sum()
     displacement_error = displacement.modulus * displacement.error
     moduli = np.abs(normal_load) + np.abs(shear_load)
-    return parts.sum(axis=1), float(of_loads + np.pi * (moduli @ displacement_error))
+    return parts.sum(axis=1), float(load_errors + np.pi * (moduli @ displacement_error))

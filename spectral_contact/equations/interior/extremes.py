@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 #: Stress at points, to a tolerance or to all digits.
 StressAt = Callable[[BodyPoints, float | None], Stress]
 
-#: What can be asked for, and how it follows from the stress.
+#: The measures of stress by name, as functions of the stress.
 MEASURES: dict[str, Callable[[Stress], Array]] = {
     "von_mises": lambda stress: np.asarray(stress.von_mises),
     "max_shear": lambda stress: np.asarray(stress.max_shear),
@@ -48,15 +48,16 @@ _COARSE = 1e-8
 #: A bracket is narrowed to this: on a line relative to the coordinate of its upper end, on a net in
 #: the coordinates themselves.
 _NARROW = 1e-9
-#: Nodes of the nets with less than this fraction of the largest value are not followed up (chosen).
-_WORTH = 0.8
-#: At most so many nodes of a net are followed up (chosen).
-_PEAKS = 3
+#: No maximum is sought from nodes of a net with less than this fraction of the largest value
+#: (chosen).
+_FOLLOWED_FRACTION = 0.8
+#: Maxima are sought from at most this many nodes of a net (chosen).
+_MOST_PEAKS = 3
 #: Reason for shear stress without bound inside the contact.
 _AT_TIPS = "the pressure is infinite at a tip or a corner"
 
 
-class _Found(NamedTuple):
+class _Maximum(NamedTuple):
     """A local maximum.
 
     Attributes
@@ -91,7 +92,7 @@ def largest(name: str, solution: Solution, nu: float, stress: StressAt) -> Extre
         Dimensionless stress at points of the body.
     """
     tension = name == "surface_tension"
-    reason = _tension_grows(solution) if tension else _shear_grows(solution, nu)
+    reason = _unbounded_tension(solution) if tension else _unbounded_shear(solution, nu)
     if reason:
         place = _tips(solution)[0] if reason == _AT_TIPS else EDGE
         remark = f"unbounded: {reason}"
@@ -105,7 +106,7 @@ def largest(name: str, solution: Solution, nu: float, stress: StressAt) -> Extre
     return _extreme(best, solution, stress)
 
 
-def _extreme(best: _Found, solution: Solution, stress: StressAt) -> Extreme:
+def _extreme(best: _Maximum, solution: Solution, stress: StressAt) -> Extreme:
     """Return the largest value with the errors of it and of its place."""
     here = stress(best.at, None)
     error = float(here.error[0] * here.norm[0] / best.value) if best.value else 0.0
@@ -126,8 +127,8 @@ def _extreme(best: _Found, solution: Solution, stress: StressAt) -> Extreme:
     return Extreme(best.value, r, z, error, place_error, attained=True, remark="attained")
 
 
-def _shear_grows(solution: Solution, nu: float) -> str:
-    """Return why shear stresses have no bound, "" if they have one."""
+def _unbounded_shear(solution: Solution, nu: float) -> str:
+    """Return the reason why shear stresses have no bound, "" if they have one."""
     if loaded_edge(solution.scene):
         if not np.isfinite(solution.pressure(1.0)):
             return "the pressure of a smooth surface is infinite at the edge"
@@ -141,12 +142,12 @@ def _shear_grows(solution: Solution, nu: float) -> str:
 
 
 def _tips(solution: Solution) -> list[Radius]:
-    """Return where pressure is infinite inside the contact: at tips and corners."""
+    """Return the places inside the contact where the pressure is infinite: tips and corners."""
     return [place for place in singular(solution) if place is not EDGE]
 
 
-def _tension_grows(solution: Solution) -> str:
-    """Return why tension on the surface has no bound at the edge, "" if it has one.
+def _unbounded_tension(solution: Solution) -> str:
+    """Return the reason why tension on the surface has no bound at the edge, "" if it has one.
 
     Traction that pushes the surface outward next to the edge compresses it there, and traction
     inward stretches it. Without adhesion both loads go to zero at the edge of a profile.
@@ -166,7 +167,7 @@ def _tension_grows(solution: Solution) -> str:
 
 def _search(
     measure: Callable[[Stress], Array], solution: Solution, stress: StressAt, tension: bool
-) -> _Found:
+) -> _Maximum:
     """Return the largest value on all charts, and at the places that they end at."""
     ends = boundaries(solution)
     charts = around(ends, centre=pointed(solution))
@@ -176,43 +177,45 @@ def _search(
         return lambda u, v, rtol=None: measure(stress(chart.points(u, v), rtol))
 
     flat = solution.scene.profile is None
-    found = [] if flat else _at_places(measure, solution, stress, ends)
+    maxima = [] if flat else _at_places(measure, solution, stress, ends)
     for chart in charts:
         lines = [line for line in chart.lines if line.on_surface or not tension]
-        found += [_along(chart, on_chart(chart), line) for line in lines]
+        maxima += [_maximum_on_line(chart, on_chart(chart), line) for line in lines]
     if not tension:
-        found += _off_lines(charts, on_chart, max(one.value for one in found))
-    largest_value = max(one.value for one in found)
+        maxima += _off_lines(charts, on_chart, max(maximum.value for maximum in maxima))
+    largest_value = max(maximum.value for maximum in maxima)
     # if values are equal but for rounding, the first of them
-    return next(one for one in found if one.value >= largest_value * (1.0 - 1e-13))
+    return next(maximum for maximum in maxima if maximum.value >= largest_value * (1.0 - 1e-13))
 
 
 def _off_lines(
     charts: list[Chart], on_chart: Callable[[Chart], Callable[..., Array]], on_lines: float
-) -> list[_Found]:
+) -> list[_Maximum]:
     """Return the local maxima inside the charts that may exceed the largest one on their lines."""
     peaks = [(chart, *peak) for chart in charts for peak in _peaks(chart, on_chart(chart))]
-    least = _WORTH * max(on_lines, *(value for _, value, _ in peaks))
+    least = _FOLLOWED_FRACTION * max(on_lines, *(value for _, value, _ in peaks))
     high = [(chart, start) for chart, value, start in peaks if value >= least]
-    return [one for chart, start in high for one in _climbed(chart, on_chart(chart), start)]
+    return [
+        maximum for chart, start in high for maximum in _maxima_near(chart, on_chart(chart), start)
+    ]
 
 
 def _at_places(
     measure: Callable[[Stress], Array], solution: Solution, stress: StressAt, ends: list[Radius]
-) -> list[_Found]:
+) -> list[_Maximum]:
     """Return the values at those ends of zones at which stress has a limit."""
     infinite = singular(solution)
-    found = []
+    maxima = []
     for end in ends:
         if end not in infinite:
             radius = np.array([max(end.value, AXIS)])
             point = BodyPoints(radius, np.array([end.from_edge]), np.zeros(1))
             value = float(measure(stress(point, None))[0])
-            found.append(_Found(value, point, np.inf, 0.0))
-    return found
+            maxima.append(_Maximum(value, point, np.inf, 0.0))
+    return maxima
 
 
-def _along(chart: Chart, measure: Callable[..., Array], line: CoordinateLine) -> _Found:
+def _maximum_on_line(chart: Chart, measure: Callable[..., Array], line: CoordinateLine) -> _Maximum:
     """Return the largest value along a line: next to the largest one on its grid."""
     grid = line.grid
 
@@ -235,10 +238,10 @@ def _along(chart: Chart, measure: Callable[..., Array], line: CoordinateLine) ->
     u, v = line.both(np.array([at]))
     curvature = _curvature(value, near, step)
     scale = chart.scale(float(u[0]), float(v[0]))
-    return _Found(value, chart.points(u, v), curvature, scale)
+    return _Maximum(value, chart.points(u, v), curvature, scale)
 
 
-def _climbed(chart: Chart, measure: Callable[..., Array], start: Array) -> list[_Found]:
+def _maxima_near(chart: Chart, measure: Callable[..., Array], start: Array) -> list[_Maximum]:
     """Return the local maximum next to a node of a net, none if it is not inside the chart."""
 
     def negative(x: Array) -> float:
@@ -255,7 +258,7 @@ def _climbed(chart: Chart, measure: Callable[..., Array], start: Array) -> list[
     near = [-negative(best.x + step * direction) for direction in np.vstack([_CROSS, -_CROSS])]
     u, v = chart.reflected(u, v)
     at = chart.points(np.array([u]), np.array([v]))
-    return [_Found(-float(best.fun), at, _curvature(-best.fun, near, step), chart.scale(u, v))]
+    return [_Maximum(-float(best.fun), at, _curvature(-best.fun, near, step), chart.scale(u, v))]
 
 
 #: The first simplex of the method of Nelder and Mead, and the directions of the two coordinates.
@@ -272,7 +275,7 @@ def _peaks(chart: Chart, measure: Callable[..., Array]) -> list[tuple[float, Arr
     shifts = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
     highest = np.max([padded[i : i + rows, j : j + columns] for i, j in shifts], axis=0)
     where = np.flatnonzero((values >= highest).ravel())
-    order = where[np.argsort(-values.ravel()[where])][:_PEAKS]
+    order = where[np.argsort(-values.ravel()[where])][:_MOST_PEAKS]
     return [(float(values.flat[k]), np.array([u[k], v[k]])) for k in order]
 
 

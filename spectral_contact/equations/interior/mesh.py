@@ -35,9 +35,9 @@ _FOLDS = 34
 #: of depths must not underflow. Nothing is lost by that, as stress varies over the distance from an
 #: infinite pressure, which is at least 1e-16.
 _SHALLOWEST = 1e-40
-#: Points that are evaluated together, which bounds the memory. On the surface they are fewer: each
-#: has many nodes there, which are to stay in the cache.
+#: Number of points that are evaluated together, which bounds the memory.
 _BLOCK = 512
+#: The same on the surface, where each point has many nodes, which are to stay in the cache.
 _SURFACE_BLOCK = 32
 
 
@@ -87,7 +87,7 @@ class BodyPoints:
         return np.asarray(np.hypot(self.from_edge, self.z))
 
     def beyond(self, place: Radius) -> Array:
-        """Return how far outward of a radius the points are, accurate to rounding next to it."""
+        """Return the distances of points outward from a radius, accurate to rounding next to it."""
         outward = place.from_edge - self.from_edge
         return np.asarray(np.where(self.r > 0.5, outward, self.r - place.value))
 
@@ -325,21 +325,23 @@ class BodyMesh:
             high = ends[:, 1:]
             in_radius = np.maximum(np.maximum(low, -high), 0.0)
             distance = np.hypot(in_radius, block_points.z[:, None])
-            left = np.ones(distance.shape, dtype=bool)  # panels that no tail replaces
+            not_replaced = np.ones(distance.shape, dtype=bool)  # panels that no tail replaces
             rows = [
-                self._tail_rows(outward, block_points.z, run, left)
+                self._tail_rows(outward, block_points.z, run, not_replaced)
                 for run in range(len(self._tails))
             ]
-            near = left & (distance < _NEAR * self._lengths)
-            rows.append(self._panel_rows(outward, left & ~near))
+            near = not_replaced & (distance < _NEAR * self._lengths)
+            rows.append(self._panel_rows(outward, not_replaced & ~near))
             if near.any():
                 rows.append(self._cut_rows(block_points, near, low, high))
             yield block, rows
 
     def _tail_rows(
-        self, outward: Array, z: Array, index: int, left: NDArray[np.bool_]
+        self, outward: Array, z: Array, index: int, not_replaced: NDArray[np.bool_]
     ) -> MeshNodes:
-        """Return the rows of the tails of a run, and take the panels that they replace from `left`.
+        """Return the rows of the tails of a run.
+
+        The panels that they replace are set to false in `not_replaced`.
 
         Each point has the longest tail from which it is far enough away, if any.
         """
@@ -352,7 +354,7 @@ class BodyMesh:
         longest = far.argmax(axis=1)[owner]
         replaced = np.zeros((len(z), run.stop - run.start), dtype=bool)
         replaced[owner] = np.arange(run.stop - run.start) >= longest[:, None]
-        left[:, run.start : run.stop] = ~(replaced if run.outward else replaced[:, ::-1])
+        not_replaced[:, run.start : run.stop] = ~(replaced if run.outward else replaced[:, ::-1])
         offsets = tails.offsets[longest]
         s, _ = self._ends.radii(place, offsets)
         ahead = beyond[owner, None] - offsets

@@ -28,9 +28,9 @@ Relative = Callable[[BodyPoints, Array, Array], Array]
 
 #: A cell gets a polynomial if it has at least this many times as many points as nodes. With fewer
 #: points the nodes take longer than the points themselves (chosen).
-_FEWEST = 1.2
+_POINTS_PER_NODE = 1.2
 #: Size of the first cells, in tau and in sigma (chosen).
-_WIDTH = np.array([3.0, np.pi / 2.0])
+_FIRST_SIZE = np.array([3.0, np.pi / 2.0])
 #: A cell is not cut below this fraction of the first ones: it holds a boundary of zones, or one
 #: point many times.
 _SMALLEST = 2.0**-9
@@ -41,9 +41,9 @@ _CUT_FRACTION = 0.05
 #: least this fraction of the size of the cell.
 _RESOLVED = 0.25
 #: Next to a narrower interval, points within this many times its width are not interpolated.
-_AROUND = 8.0
-#: Cells whose nodes are evaluated together, which bounds the memory.
-_TOGETHER = 64
+_UNRESOLVED_RANGE = 8.0
+#: Number of cells whose nodes are evaluated together, which bounds the memory.
+_CELLS_TOGETHER = 64
 
 
 class _Basis:
@@ -114,12 +114,12 @@ def _first_cells(coordinates: Array) -> list[_Cell]:
     """
     if coordinates.shape[1] == 0:
         return []
-    index = np.floor(coordinates / _WIDTH[:, None]).astype(int)
+    index = np.floor(coordinates / _FIRST_SIZE[:, None]).astype(int)
     index[1] = np.minimum(index[1], 1)  # sigma = pi belongs to the second half
     _, cell_of_point = np.unique(2 * index[0] + index[1], return_inverse=True)
     by_cell = np.argsort(cell_of_point, kind="stable")
     groups = np.split(by_cell, np.cumsum(np.bincount(cell_of_point))[:-1])
-    return [_Cell(index[:, group[0]] * _WIDTH, _WIDTH, group) for group in groups]
+    return [_Cell(index[:, group[0]] * _FIRST_SIZE, _FIRST_SIZE, group) for group in groups]
 
 
 def _fits(cells: list[_Cell], coordinates: Array, direct: Direct, basis: _Basis) -> Iterator[_Fit]:
@@ -167,12 +167,12 @@ def _unresolved(cell: _Cell, coordinates: Array, narrow: Array) -> NDArray[np.bo
         if width < _RESOLVED * cell.size.max():
             # a unit of tau is as long as one of sigma, and the contact is at sigma = pi
             distance = np.maximum(np.maximum(low - tau, tau - high), np.pi - sigma)
-            unresolved |= distance < _AROUND * width
+            unresolved |= distance < _UNRESOLVED_RANGE * width
     return unresolved
 
 
 def _truncation(moduli: Array) -> Array:
-    """Return eight times what is left out of a series, by extrapolation of its last coefficients.
+    """Return eight times the sum of the terms that a series lacks, by its last coefficients.
 
     Pairs of coefficients are taken to go on as a geometric series, whose ratio is that of the last
     pair to the pair before it. The factor eight is a margin (chosen).
@@ -240,24 +240,24 @@ def interpolate(
         Which points remain to be evaluated: they are too few, or no polynomial is accurate.
     """
     basis = _Basis(order)
-    fewest = _FEWEST * order**2
+    fewest = _POINTS_PER_NODE * order**2
     remaining = np.ones(len(points.r), dtype=bool)
     coordinates = _toroidal(points)
     cells = _first_cells(coordinates)
     # batch by batch; the cells that result from cutting those of a batch are put at the end
     while cells := [cell for cell in cells if len(cell.points) >= fewest]:
-        batch = cells[:_TOGETHER]
-        cells = cells[_TOGETHER:]
+        batch = cells[:_CELLS_TOGETHER]
+        cells = cells[_CELLS_TOGETHER:]
         for cell, fit in zip(batch, _fits(batch, coordinates, direct, basis), strict=True):
             inside = cell.points
             errors = np.broadcast_to(fit.error[:, None], fit.values.shape)
-            bad = ~(relative(points[inside], fit.values, errors) <= rtol)
-            bad |= _unresolved(cell, coordinates[:, inside], narrow)
-            good = inside[~bad]
-            remaining[good] = False
-            out.values[:, good] = fit.values[:, ~bad]
-            out.quadrature[:, good] = fit.error[:, None]
-            out.of_pressure[:, good], out.of_traction[:, good] = fit.load_sums[:, :, None]
-            if bad.any() and np.all(cell.size > _SMALLEST * _WIDTH):
-                cells += _cut(cell, coordinates, inside[bad], fit.truncation)
+            refused = ~(relative(points[inside], fit.values, errors) <= rtol)
+            refused |= _unresolved(cell, coordinates[:, inside], narrow)
+            accepted = inside[~refused]
+            remaining[accepted] = False
+            out.values[:, accepted] = fit.values[:, ~refused]
+            out.quadrature[:, accepted] = fit.error[:, None]
+            out.of_pressure[:, accepted], out.of_traction[:, accepted] = fit.load_sums[:, :, None]
+            if refused.any() and np.all(cell.size > _SMALLEST * _FIRST_SIZE):
+                cells += _cut(cell, coordinates, inside[refused], fit.truncation)
     return remaining

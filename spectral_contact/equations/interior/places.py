@@ -96,7 +96,7 @@ def loaded_edge(scene: Scene) -> bool:
 
 
 def singular(solution: Solution) -> list[Radius]:
-    """Return where stress is infinite, or depends on the direction.
+    """Return the places where stress is infinite, or depends on the direction.
 
     One such place is the edge, of a flat punch or with adhesion. On a smooth surface under a
     profile the others are tips and corners, at which the pressure is infinite.
@@ -130,7 +130,7 @@ def finite(load: Evaluator) -> Evaluator:
 
 
 def distance(points: BodyPoints, place: Radius) -> Array:
-    """Return how far points are from a place on the surface."""
+    """Return the distances of points from a place on the surface."""
     return np.asarray(np.hypot(points.beyond(place), points.z))
 
 
@@ -153,7 +153,7 @@ def error_near_boundaries(points: BodyPoints, solution: Solution) -> Array:
     from the centre or from the edge, whichever is smaller.
     """
     errors = np.zeros(len(points.r))
-    of_radius = solution.error.contact_radius or 0.0
+    radius_error = solution.error.contact_radius or 0.0
     corners = singular(solution)
     scene = solution.scene
     flat = scene.profile is None
@@ -164,10 +164,10 @@ def error_near_boundaries(points: BodyPoints, solution: Solution) -> Array:
         distances = distance(points, place)
         if place in corners:
             ratio = np.maximum(distances / unit, _ROUNDING)
-            shift = _AT_INFINITE * _ROUNDING + of_radius * place.value / unit
+            shift = _AT_INFINITE * _ROUNDING + radius_error * place.value / unit
             errors += np.where(distances > 0.0, shift / ratio, 0.0)
         else:
-            of_boundary = _BY_BOUNDARY * min(solution.error.zones or 0.0, 1.0)
-            shift = _AT_OTHERS * _ROUNDING + of_boundary
+            boundary_error = _BY_BOUNDARY * min(solution.error.zones or 0.0, 1.0)
+            shift = _AT_OTHERS * _ROUNDING + boundary_error
             errors += shift / np.sqrt(np.maximum((distances + layer) / unit, shift))
     return errors

@@ -25,9 +25,9 @@ from spectral_contact.fields import Array
 #: For tolerances down to each of these the rules of quadrature, and the number of a polynomial's
 #: nodes in either direction (chosen; results are checked against the tolerance). For smaller
 #: tolerances there are no polynomials.
-_DOWN_TO = ((1e-9, FAST, 12), (1e-11, MEDIUM, 14), (1e-12, TIGHT, 16))
+_RULES_BY_TOLERANCE = ((1e-9, FAST, 12), (1e-11, MEDIUM, 14), (1e-12, TIGHT, 16))
 #: At one in so many nodes of a polynomial both rules are used and compared, elsewhere one (chosen).
-_COMPARED = 5
+_COMPARED_EVERY = 5
 
 
 def stresses(values: Array, nu: float) -> Array:
@@ -39,9 +39,9 @@ def stresses(values: Array, nu: float) -> Array:
 
 def stress_error(values: Array, errors: Array, nu: float) -> Array:
     """Return the relative error of stresses from absolute ones of the integrals."""
-    worst = errors[0] + errors[2] + 2.0 * errors[3] + errors[1]
+    errors_of_stress = errors[0] + errors[2] + 2.0 * errors[3] + errors[1]
     rr, tt, zz, rz = stresses(values, nu)
-    return _relative(worst, np.sqrt(rr**2 + tt**2 + zz**2 + 2.0 * rz**2))
+    return _relative(errors_of_stress, np.sqrt(rr**2 + tt**2 + zz**2 + 2.0 * rz**2))
 
 
 def displacement_error(values: Array, errors: Array, r: Array) -> Array:
@@ -98,8 +98,8 @@ class Sampler:
         """Return zz, rz, ``2 G u_r / r`` and the harmonic sum; on the surface their limits."""
         kernels = (ring_loads.normal_stress, ring_loads.radial_stress)[: 1 + self._sheared]
 
-        def direct(mesh: BodyMesh, some: BodyPoints) -> Integrals:
-            return self._limits(some, integrate(mesh, some, kernels, self._nu, self._floors))
+        def direct(mesh: BodyMesh, chosen: BodyPoints) -> Integrals:
+            return self._limits(chosen, integrate(mesh, chosen, kernels, self._nu, self._floors))
 
         def measure(_points: BodyPoints, values: Array, errors: Array) -> Array:
             return stress_error(values, errors, self._nu)
@@ -117,11 +117,11 @@ class Sampler:
             : 1 + self._sheared
         ]
 
-        def direct(mesh: BodyMesh, some: BodyPoints) -> Integrals:
-            return integrate(mesh, some, kernels, self._nu, self._floors)
+        def direct(mesh: BodyMesh, chosen: BodyPoints) -> Integrals:
+            return integrate(mesh, chosen, kernels, self._nu, self._floors)
 
-        def measure(some: BodyPoints, values: Array, errors: Array) -> Array:
-            return displacement_error(values, errors, some.r)
+        def measure(chosen: BodyPoints, values: Array, errors: Array) -> Array:
+            return displacement_error(values, errors, chosen.r)
 
         return self._sampled(points, rtol, direct, measure)
 
@@ -136,13 +136,13 @@ class Sampler:
 
         Each is used at the points at which the one before does not meet the tolerance.
         """
-        allowed = [(rules, order) for least, rules, order in _DOWN_TO if rtol >= least]
+        allowed = [(rules, order) for least, rules, order in _RULES_BY_TOLERANCE if rtol >= least]
         if not allowed:
             return direct(self.mesh(TIGHT), points)
         rules, order = allowed[0]
 
         def at_nodes(nodes: BodyPoints) -> Integrals:
-            compared = np.arange(len(nodes.r)) % _COMPARED == 0
+            compared = np.arange(len(nodes.r)) % _COMPARED_EVERY == 0
             sums = Integrals.empty(len(nodes.r))
             sums.put(compared, direct(self.mesh(rules), nodes[compared]))
             sums.put(~compared, direct(self.mesh(rules[:1]), nodes[~compared]))
@@ -150,11 +150,11 @@ class Sampler:
 
         sums = Integrals.empty(len(points.r))
         narrow = narrow_intervals(self._ends.places)
-        left = interpolate(points, rtol, order, at_nodes, measure, sums, narrow)
-        sums.put(left, direct(self.mesh(rules), points[left]))
-        missed = ~(measure(points, sums.values, sums.quadrature) <= rtol)
-        if missed.any() and rules is not TIGHT:
-            sums.put(missed, direct(self.mesh(TIGHT), points[missed]))
+        remaining = interpolate(points, rtol, order, at_nodes, measure, sums, narrow)
+        sums.put(remaining, direct(self.mesh(rules), points[remaining]))
+        above_rtol = ~(measure(points, sums.values, sums.quadrature) <= rtol)
+        if above_rtol.any() and rules is not TIGHT:
+            sums.put(above_rtol, direct(self.mesh(TIGHT), points[above_rtol]))
         return sums
 
     def _limits(self, points: BodyPoints, sums: Integrals) -> Integrals:

@@ -21,9 +21,9 @@ def test_values_and_places_are_right_to_the_estimates():
     curves = interpolated(0.0, 3.0, 14)
     assert curves.settled(1e-8)
     wanted = np.linspace(0.1, 2.9, 50)
-    found = curves.where(wanted)
-    assert (np.abs(found.places - wanted) <= found.moved + 1e-15).all()
-    assert (np.abs(found.values[:, 0] - np.sin(wanted)) <= found.lost[:, 0] + 1e-15).all()
+    found = curves.invert(wanted)
+    assert (np.abs(found.places - wanted) <= found.place_errors + 1e-15).all()
+    assert (np.abs(found.values[:, 0] - np.sin(wanted)) <= found.value_errors[:, 0] + 1e-15).all()
     assert found.slopes[:, 0] == pytest.approx(np.abs(np.cos(wanted)), abs=1e-8)
 
 
@@ -32,7 +32,7 @@ def test_many_nodes_in_a_narrow_interval_overflow_nothing():
     """Products of a hundred distances of 1e-6 did."""
     curves = interpolated(1.0, 1.0 + 1e-6, 100, noise=1e-13)
     assert not curves.settled(1e-15)
-    found = curves.where(np.linspace(1.0, 1.0 + 1e-6, 9)[1:-1])
+    found = curves.invert(np.linspace(1.0, 1.0 + 1e-6, 9)[1:-1])
     assert np.isfinite(found.values).all()
 
 

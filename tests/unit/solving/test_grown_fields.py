@@ -40,7 +40,7 @@ def slipping_panel(low, high, log_stick):
         low=low,
         high=high,
         slips=True,
-        alike=True,
+        punches_alike=True,
         stick=[log_stick],
         log_stick=lambda t: np.full_like(t, log_stick),
     )

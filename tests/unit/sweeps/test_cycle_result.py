@@ -83,7 +83,7 @@ def test_at_an_edge_of_infinite_pressure_bounds_are_infinite():
 
 def test_errors_in_si_units_include_that_of_a_load_which_follows_from_the_approach():
     by_load = loop(0.2, STEEL)
-    by_approach = loop(0.2, STEEL.replace(approach=by_load.physical._loop.approach))
+    by_approach = loop(0.2, STEEL.replace(approach=by_load.physical._solution.approach))
     assert by_load.physical._load_error == 0.0
     assert by_approach.physical._load_error == by_approach.solution.error.approach > 0.0
     load = next(one for one in str(by_approach.physical).splitlines() if "largest load" in one)

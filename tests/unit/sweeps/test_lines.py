@@ -9,13 +9,13 @@ import pytest
 from spectral_contact import Scene, solve
 from spectral_contact.contact.normal import solve_normal
 from spectral_contact.contact.zone_problem import _GivenRadius, solve_given_radius
-from spectral_contact.fields.curves import Placed
+from spectral_contact.fields.curves import InvertedCurves
 from spectral_contact.fields.series import Radius
 from spectral_contact.quantities import FULL_STICK_RATIOS
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.sweeps import sweep
-from spectral_contact.sweeps.lines import LEAST, _disks, between, lines
+from spectral_contact.sweeps.lines import LEAST, _disks, interpolate_line, lines
 from spectral_contact.sweeps.request import requested
 from spectral_contact.sweeps.sweep_parameters import listed
 
@@ -71,7 +71,9 @@ def test_a_line_with_slip_inside_is_given_up_after_three_scenes():
             return solve(Scene(0.3, 0.05, 1.0, 0.01 if i == 0 else 0.0295), 1e-3)
 
     columns = listed([Scene(0.3, 0.05, 1.0, 0.01)] * 100).columns(np.arange(100))
-    assert not between(columns, requested(NUMBERS, 1e-8, 100, None, None), Solver()).mask.any()
+    assert not interpolate_line(
+        columns, requested(NUMBERS, 1e-8, 100, None, None), Solver()
+    ).mask.any()
     assert asked == [0, 99, LEAST - 1]
 
 
@@ -80,7 +82,7 @@ def test_a_stick_radius_has_the_error_that_its_logit_makes(logit):
     """From a small stick disk to a narrow slip annulus: c**2 = 1/(1 + exp(-logit))."""
     moved = 1e-4
     nothing = np.zeros((1, 1))
-    placed = Placed(np.array([logit]), np.array([moved]), nothing, nothing, nothing)
+    placed = InvertedCurves(np.array([logit]), np.array([moved]), nothing, nothing, nothing)
     values, errors = _disks(placed)
     with mpmath.workdps(40):
         low, centre, high = (

@@ -245,7 +245,7 @@ def test_neither_spectra_nor_lines_take_coupled_scenes_for_others():
     scenes = [Scene(0.3, 0.5, 0.5, f, coupling=True) for f in friction]
     columns = sweep_run.listed(scenes).columns(np.arange(len(scenes)))
     request = sweep_run.requested(["stick_radius"], 1e-4, 1000, None, None)
-    assert not shortcuts.served(columns, request).mask.any()
+    assert not shortcuts.served_by_spectra(columns, request).mask.any()
     assert not list(lines.lines(columns, np.arange(len(scenes)), request))
     plain = [one.replace(coupling=False) for one in scenes]
     columns = sweep_run.listed(plain).columns(np.arange(len(scenes)))
@@ -364,7 +364,7 @@ def test_the_spectra_agree_with_the_gold_tables():
             if name != "approach" and not sticks:
                 continue
             request = sweep_run.requested([name], 1e-12, 100, None, None)
-            known = shortcuts.served(columns, request)
+            known = shortcuts.served_by_spectra(columns, request)
             if known.mask[0]:
                 error = abs(known.values[name][0] / float(getattr(solution, name)) - 1.0)
                 assert error <= known.errors[name][0] <= allowed
