@@ -141,8 +141,7 @@ def find_radius(
         rate = inf  # at a corner of a smooth surface, where the pressure is infinite
     if rate * error > _RADIUS_FRACTION * tolerance:
         # where the pressure depends strongly on the radius, the radius has to be more exact
-        tighter = max(residual_tolerance / rate, ROUNDING)
-        search.run(at_tolerance(tolerance, pointwise), tighter)
+        search.run(at_tolerance(tolerance, pointwise), max(residual_tolerance / rate, ROUNDING))
         contact, error = search.outcome()
     if (
         isinstance(contact, Refinement)
@@ -199,7 +198,7 @@ class _RadiusSearch:
         self.residual = inf
         self.residual_error = 0.0
         self.slope = 1.0
-        #: relative change of the pressure over that of the radius; 0 on a smooth surface
+        #: relative change of the pressure over that of the radius
         self.pressure_rate = 0.0
         self.last_v: float | None = None
 
@@ -356,19 +355,22 @@ class _RadiusSearch:
 def _pressure_rate(contact: Indentation, profile: Profile) -> float:
     """Return the largest ``dp/dln a`` at constant ``s = r/a``, relative to the pressure.
 
-    Where the pressure is below its mean, the rate is relative to the mean. On a smooth surface it
-    has no bound next to a corner, and 0 is returned. The derivative is
+    Where the pressure is below its mean, the rate is relative to the mean. The derivative is
     ``flat ddelta/da + s dp/ds``, where ``flat`` is the pressure under a flat punch for the approach
-    a. The slope ``dp/ds`` is from differences between places graded to the edge and to breaks.
+    a. The slope ``dp/ds`` is from differences between places graded to the edge and to breaks. On a
+    smooth surface it follows from the profile alone, and is returned as 0 where there are breaks,
+    as it has no bound next to a corner.
     """
-    if contact.pressure is None or contact.flat is None:
+    if contact.pressure is None:
         return 0.0
     a = contact.radius
-    mean = contact.load / (pi * a**2)
+    if contact.flat is None:
+        return profile._smooth_pressure_rate(a)
+    mean = contact.load / pi / a**2
     near_breaks = [
         1.0 - b / a + sign * _DISTANCES for b in profile.breaks if b < a for sign in (-1.0, 1.0)
     ]
-    from_edge = np.concatenate([[1.0], _DISTANCES, *near_breaks])
+    from_edge = np.concatenate([_DISTANCES, *near_breaks])
     from_edge = np.unique(from_edge[(from_edge >= 0.0) & (from_edge <= 1.0)])
     s = 1.0 - from_edge
     p = contact.pressure(s, from_edge)

@@ -290,12 +290,9 @@ class _IndentationProblem(PartedProblem):
             stiffness_error=from_moment + 2.0 * ROUNDING,
             pressure_error=pressure_error,
         )
-        error = max(indentation.approach_error, indentation.load_error)
-        if self.pointwise:
-            error = max(error, pressure_error)
-        else:
-            # errors of integrals are squares of those of the pressure
+        if not self.pointwise:  # errors of integrals are squares of those of the pressure
             indicators = indicators**2
+        error = indentation.largest_error(pointwise=self.pointwise)
         return SpaceSolution(indentation, error, indicators, space.unknowns)
 
     def _layer_rounding(

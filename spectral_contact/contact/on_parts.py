@@ -140,7 +140,7 @@ class PartedProblem:
     depths : sequence of float
         Depth x of the narrowest feature of the pressure on every part, such as a layer at its end.
     tolerance : float
-        Bound on the relative errors of load and approach.
+        Bound on the relative errors of load, approach, work and stiffness.
     pointwise : bool
         Whether it bounds the relative error of the pressure, too. If not, the attribute `tolerance`
         is the root of the parameter: load and approach superconverge, and have about the square of

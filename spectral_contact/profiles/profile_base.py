@@ -20,6 +20,11 @@ from spectral_contact.io.parameters import check_parameters
 
 #: Radii beyond have squares that overflow.
 _FAR = 1e100
+#: Distances from the edge, in contact radii, between which the growth of ``H'`` is taken: graded to
+#: the edge, and inside as dense as the steepest rise that a `Sampled` resolves asks for (chosen).
+_DISTANCES = np.concatenate([np.geomspace(1e-15, 0.009, 53), np.linspace(0.01, 0.99, 197)])
+#: The growth of ``H'`` is not taken where it is below this share of its mean (chosen).
+_LEAST_RATE = 1e-3
 
 
 class Profile(ABC):
@@ -130,6 +135,23 @@ class Profile(ABC):
             ``t**2 - b**2`` without cancellation, where b is the largest of the breaks below t; 0 if
             there is none.
         """
+
+    def _smooth_pressure_rate(self, radius: float) -> float:
+        """Return a bound of ``(dp/dln a)/p`` at constant ``s = r/a``, of a smooth surface.
+
+        The pressure is ``c int_s^1 H'(a t) dt / sqrt(t**2 - s**2)`` with a constant c. So the bound
+        is the largest ``(dH'/dt) t/H'``, by which ``H'`` grows in logarithms. It is large next to
+        the equator of a sphere, and where the slope rises over a short distance. Where ``H'`` is
+        far below its mean, it adds little to a pressure that is compared with its mean. With breaks
+        0 is returned: next to a corner there is no bound.
+        """
+        if self.breaks:
+            return 0.0
+        t = 1.0 - _DISTANCES
+        rates = self._rate(radius * t, np.zeros(len(t)))
+        least = _LEAST_RATE * self._transform(np.array(radius)) / radius
+        growth = np.diff(np.log(np.maximum(rates, least))) / np.diff(np.log(t))
+        return float(np.abs(growth).max())
 
     def _relative_error(self, radius: float) -> float:
         """Return a bound on the relative error of ``H`` at a radius by that of the slope.

@@ -494,9 +494,13 @@ class ProfileRun(Run):
         if any(one.slips for one in growth.panels):
             found = fields.slip()
             self.slip = found.field
-            left = growth.slip_error / found.largest + found.relative_error
-            by_radius = growth.load_rate * self.errors["contact_radius"]
-            self.errors["slip"] = left + load_error + by_radius
+            self.errors["slip"] = (
+                growth.slip_error / found.largest
+                + found.relative_error
+                + growth.beginning_error
+                + load_error
+                + growth.load_rate * self.errors["contact_radius"]
+            )
 
     def _store_history(
         self, growth: Growth, begin: float, normal_error: float | None = None

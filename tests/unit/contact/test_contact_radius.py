@@ -107,3 +107,17 @@ def test_next_to_a_corner_on_a_smooth_surface_the_radius_is_as_exact_as_the_pres
     # the stress next to the corner has the error of the radius
     stress, true = (one.inside.stress(s, 0.0) for one in (solution, truth))
     assert np.all(np.abs(stress.zz - true.zz) <= stress.error * true.norm)
+
+
+@pytest.mark.parametrize("given", ["load", "approach"])
+def test_next_to_the_equator_on_a_smooth_surface_the_error_of_the_radius_is_one_of_the_pressure(
+    given,
+):
+    """It counted as much as in the load, which changes five to eight times less there."""
+    ball = profiles.Sphere(1.0)
+    truth = solve(Scene(0.3, profile=ball, contact_radius=1.0 - 1e-7), 1e-12, strict=False)
+    solution = solve(Scene(0.3, profile=ball, **{given: getattr(truth, given)}), 5e-3)
+    from_edge = np.array([1e-9, 1e-8, 1e-7, 1e-6])
+    exact, estimate = (one.pressure(from_edge=from_edge) for one in (truth, solution))
+    room = solution.error.pressure + truth.error.pressure
+    assert np.all(np.abs(estimate - exact) <= room * np.maximum(exact, truth.load / math.pi))

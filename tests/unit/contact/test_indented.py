@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from spectral_contact import SceneError, profiles
+from spectral_contact import Scene, SceneError, profiles, solve
 from spectral_contact.contact.indented import (
     _IndentationProblem,
     solve_indentation,
@@ -67,3 +67,19 @@ def test_a_radius_whose_load_is_no_floating_point_number_is_refused(radius):
     """The load was 0, with an estimate of 4e-15, or Python raised an OverflowError."""
     with pytest.raises(SceneError, match=r"^contact_radius = .* floating-point numbers"):
         solve_indentation(profiles.Parabola(10.0), radius, 0.0, 1e-10, 1000)
+
+
+@pytest.mark.parametrize(
+    ("exponent", "compliance", "rtol"), [(8.0, 1.0, 1e-8), (8.0, 0.01, 1e-10), (12.0, 1e-4, 1e-6)]
+)
+def test_spaces_are_refined_until_the_work_is_known_to_the_tolerance(
+    exponent: float, compliance: float, rtol: float
+) -> None:
+    """They were refined for load and approach alone; the solve said that rounding was reached."""
+    blunt = profiles.PowerLaw(1.0, exponent)
+    scene = Scene(0.3, compliance, profile=blunt, contact_radius=0.5)
+    solution = solve(scene, rtol, ["load", "indentation_work"])
+    assert solution.error.indentation_work <= rtol
+    truth = solve(scene, 1e-12, ["indentation_work"])
+    off = abs(solution.indentation_work / truth.indentation_work - 1.0)
+    assert off <= solution.error.indentation_work + truth.error.indentation_work

@@ -338,3 +338,17 @@ def test_a_high_power_in_a_small_unit_of_length_has_a_load():
         for unit in (1.0, 1e-6)
     ]
     assert loads[1] == pytest.approx(loads[0], rel=1e-12)
+
+
+def test_the_smooth_pressure_of_a_power_law_grows_like_the_derivative_of_its_half_integral():
+    """Next to the edge the rounding of radii makes the rate larger."""
+    for exponent in (1.0, 2.0, 7.5, 100.0):
+        rate = profiles.PowerLaw(1.0, exponent)._smooth_pressure_rate(0.3)
+        assert exponent - 1.0 <= rate * (1.0 + 1e-6) <= 1.3 * (exponent - 1.0)
+
+
+def test_the_smooth_pressure_next_to_an_equator_grows_like_the_inverse_of_the_distance():
+    """``H'`` is ``atanh(t/R) + t R/(R**2 - t**2)`` of a sphere, and infinite at its equator."""
+    for distance in (1e-2, 1e-5, 1e-8):
+        rate = profiles.Sphere(1.0)._smooth_pressure_rate(1.0 - distance)
+        assert rate == pytest.approx(1.0 / distance, rel=0.15)

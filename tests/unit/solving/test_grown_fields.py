@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import beta, digamma
 
+from spectral_contact import Scene, profiles, solve
 from spectral_contact.solving.grown_fields import _History, tanh_rule
 
 
@@ -52,3 +53,18 @@ def test_radii_between_the_stick_radii_of_two_panels_stuck_where_the_panels_meet
     history = _History(growth, rule=tanh_rule(10.0, 10.0), degree=5)
     stuck = history.when_stuck(np.array([0.3, 0.55, 0.9, 1.8]))
     assert stuck == pytest.approx([0.8, 1.0, 1.3, 2.0])
+
+
+def test_the_error_of_the_slip_has_what_is_before_the_history():
+    """Under a power of 20 what is left out at the first radius was 1.4 times the estimate.
+
+    On a smooth surface the slip of points that stick goes like the power of the profile.
+    """
+    blunt = profiles.PowerLaw(1.0, 20.0)
+    scene = Scene.from_kappa(0.113, friction=0.1255, profile=blunt, contact_radius=0.7)
+    solution = solve(scene, 1e-4, ["slip", "stick_radius"])
+    s = np.linspace(0.3, 0.55, 26)
+    assert s[-1] < solution.stick_radius
+    largest = np.abs(solution.slip(np.linspace(0.0, 1.0, 201))).max()
+    off = np.abs(solution.slip(s) - solution.slip(s[-1]) * (s / s[-1]) ** 20)
+    assert 1e-8 * largest < off.max() < solution.error.slip * largest
