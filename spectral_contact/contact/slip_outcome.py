@@ -251,11 +251,9 @@ def zones_outcome(
         stick_tractions = zone_fields.stick_tractions(system.states, system.bounds, solved.shears)
         in_stick = zone_fields.fields_in_stick(system, solved.pressures, solved.shears)
         excess = stick_violation(parameters.friction, in_stick)
-    pressure: PressureField | ZonalField
-    if contact is None:
-        pressure = zone_fields.pressure_field(solved, parameters)
-    else:
-        pressure = contact.pressure
+    pressure: PressureField | ZonalField = (
+        zone_fields.pressure_field(solved, parameters) if contact is None else contact.pressure
+    )
     outcome = _checked_outcome(solved, pressure, stick_tractions, excess, slip_zones, parameters)
     if contact is None and not zone_fields.all_positive(solved.pressures):
         return replace(outcome, violation=inf, violation_text="the pressure is not positive")
@@ -294,7 +292,7 @@ def _checked_outcome(
     beta = parameters.beta
     friction = parameters.friction
     states = solved.system.states
-    bounds = list(pairwise(solved.system.bounds))
+    bounds = solved.system.bounds
     displacement = slip_displacement(solved.stick_zones, slip_zones, pressure, beta, friction)
     # what slip that is over has left where the surface sticks now
     memory = solved.system.displacement
@@ -304,7 +302,7 @@ def _checked_outcome(
     traction_pieces: list[ZonePiece] = []
     slip_pieces: list[ZonePiece] = []
     displacement_fields = iter(displacement.fields)
-    for k, (state, (inner, outer)) in enumerate(zip(states, bounds, strict=True)):
+    for k, (state, (inner, outer)) in enumerate(zip(states, pairwise(bounds), strict=True)):
         # part 2 k is the disk, or the outer half of zone k
         has_memory = 2 * k in solved.system.displacement_coefficients
         kind = "slip" if state else "stick"
@@ -322,8 +320,8 @@ def _checked_outcome(
 
     absolute_error = solved.residual_error + displacement.unresolved + FIELD_ROUNDING / (2.0 * pi)
     if beta > 0.0:  # in slip p is largest at the outer end of the last zone that slips
-        last_slip = max(k for k, state in enumerate(states) if state)
-        max_pressure = float(pressure.evaluate(np.array(bounds[last_slip][1].rest)))
+        outer_end = slip_zones[-1].annulus.outer
+        max_pressure = float(pressure.evaluate(np.array(outer_end.rest)))
         absolute_error += beta * friction * max_pressure * solved.pressure_error
     if memory is not None:
         absolute_error += memory.error
@@ -347,15 +345,20 @@ def _checked_outcome(
     at_edge = slip_of_now.at_outer_ends[-1] / largest if beta * states[-1] else inf
 
     # slip that is noise, nearly all of it in the wrong sense, leaves the zones no digit
-    sense_unknown = slip_error == inf and wrong > DOUBTFUL_VIOLATION
+    uncertain = max(
+        float(slip_error == inf and wrong > DOUBTFUL_VIOLATION),
+        _uncertain_zone_error(slip_error, zones),
+    )
     traction_error = max(solved.traction_error, solved.pressure_error)
     scalars = {item.name: getattr(solved, item.name) for item in fields_of(ScalarResults)}
     scalars["traction_error"] = traction_error
     scalars["zones_error"] = max(
-        solved.zones_error,
-        float(sense_unknown),
-        _uncertain_zone_error(slip_error, zones),
-        edge_sense_unknown(at_edge, excused),
+        solved.zones_error, uncertain, edge_sense_unknown(at_edge, excused)
+    )
+    # the stick radius may be off by as much as its distance from the edge
+    disk = zones[0]
+    scalars["radius_error"] = max(
+        solved.radius_error, uncertain * disk.outer_from_edge / disk.outer
     )
     return PartialSlip(
         zones=tuple(zones),
@@ -381,8 +384,10 @@ def _uncertain_zone_error(slip_error: float, zones: list[Zone]) -> float:
     """
     if slip_error < UNCERTAIN_SLIP_ERROR:
         return 0.0
-    inside = [zone for zone in zones if zone.kind == "slip" and zone.outer_from_edge > 0.0]
+    # over the distance of the outer end from the edge
     widths = [
-        (zone.inner_from_edge - zone.outer_from_edge) / zone.outer_from_edge for zone in inside
+        zone.inner_from_edge / zone.outer_from_edge - 1.0
+        for zone in zones
+        if zone.kind == "slip" and zone.outer_from_edge > 0.0
     ]
     return min(slip_error, 1.0) * max(widths, default=0.0)

@@ -60,6 +60,7 @@ from spectral_contact.contact.tuning import (
     MAX_STEPS,
     SAMPLES,
     SLIP_ROUNDING,
+    TRACTION_ROUNDING,
 )
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.contact.zone_search import Candidate, NoZonesError, ZoneSearch
@@ -244,7 +245,9 @@ class UnloadedSearch(ZoneSearch):
         NoZonesError
         """
         verdicts = "; ".join(trial.text for trial in self._trials)
-        raise NoZonesError(verdicts or "forward slip is too narrow to be resolved")
+        raise NoZonesError(
+            f"no zones were found that obey the friction law ({verdicts or 'slip is too narrow'})"
+        )
 
     def growth(self, solved: ZoneSolution) -> ZoneGrowth:
         """Return whether the slip zones grow at their ends as the load falls.
@@ -388,23 +391,39 @@ class Unloading:
         NoZonesError
             If the friction law holds on no zones that are tried.
         """
+        if 1.0 - load_ratio < TRACTION_ROUNDING:  # so is the change of the traction
+            raise NoZonesError("the load is the largest one up to rounding")
         search = self._search(load_ratio, record, start=start, tolerance=self._state_tolerance)
-        outcome = search.outcome()
+        try:
+            outcome = search.outcome()
+        except NoZonesError:
+            with suppress(NoZonesError):
+                self._refuse_history(load_ratio)
+            raise
         assert search.solved is not None
         growth = search.growth(search.solved)
         if growth.least >= -growth.error:
             return outcome
-        try:
-            ratio = self.turning_ratio
-        except NoZonesError:
-            turning = "the turning ratio, which was not found,"
-        else:
-            if load_ratio > ratio.value * (1.0 + ratio.error):
-                raise NoZonesError(
-                    "forward slip is too narrow to say whether it grows; a tighter rtol may do"
-                )
-            turning = f"the turning ratio {ratio.value:.7g}"
-        raise HistoryError(f"below {turning} it depends on the loads in between")
+        self._refuse_history(load_ratio)
+        raise NoZonesError(
+            "forward slip is too narrow to say whether it grows; a tighter rtol may do"
+        )
+
+    def _refuse_history(self, load_ratio: float) -> None:
+        """Raise an error if a load ratio is below the turning ratio.
+
+        Raises
+        ------
+        HistoryError
+            If it is.
+        NoZonesError
+            If the turning ratio is not found.
+        """
+        ratio = self.turning_ratio
+        if load_ratio <= ratio.value * (1.0 + ratio.error):
+            raise HistoryError(
+                f"below the turning ratio {ratio.value:.7g} it depends on the loads in between"
+            )
 
     def _search(
         self,

@@ -198,7 +198,7 @@ class ZoneSearch(ABC):
             if not candidate.predicted:
                 accepted = outcome
             elif outcome.verified:
-                if outcome.slip_error < inf and self._error(outcome) <= self.tolerance:
+                if outcome.slip_error < inf and self.bounded_error(outcome) <= self.tolerance:
                     accepted = outcome
                 else:
                     verdict = "the tolerance is not met from these boundaries"
@@ -208,7 +208,7 @@ class ZoneSearch(ABC):
         self._trials.append(Trial(candidate.zones, candidate.reason, verdict))
         return accepted
 
-    def _error(self, outcome: PartialSlip) -> float:
+    def bounded_error(self, outcome: PartialSlip) -> float:
         """Return the largest of the error estimates that the tolerance bounds."""
         return max(
             outcome.approach_error,
@@ -305,7 +305,7 @@ class UncoupledSearch(ZoneSearch):
         friction law or misses the tolerance.
         """
         best = super()._best()
-        failed = not best.consistent or self._error(best) > self.tolerance
+        failed = not best.consistent or self.bounded_error(best) > self.tolerance
         least_critical = self.stick.critical * (1.0 - self.stick.critical_error)
         if failed and self.parameters.friction > least_critical:
             return full_stick_outcome(self.stick, self.parameters)
@@ -359,7 +359,8 @@ class UncoupledSearch(ZoneSearch):
             self.record(SLIP_FIELD, outcome, begin)
         return outcome
 
-    def _error(self, outcome: PartialSlip) -> float:
+    def bounded_error(self, outcome: PartialSlip) -> float:
+        """Return the error of the shear or, where the tolerance bounds both, the larger one."""
         return max(outcome.traction_error if self.pointwise else 0.0, outcome.shear_error)
 
     def _full_slip(self) -> PartialSlip:
@@ -413,7 +414,7 @@ class CoupledSearch(ZoneSearch):
         the closed form comes first; the candidates follow if it misses the tolerance.
         """
         closed_form = self._disk_with_edge_stick()
-        if closed_form is not None and self._error(closed_form) <= self.tolerance:
+        if closed_form is not None and self.bounded_error(closed_form) <= self.tolerance:
             return closed_form
         try:
             best = super()._best()
@@ -421,7 +422,7 @@ class CoupledSearch(ZoneSearch):
             if closed_form is None:
                 raise
             return closed_form
-        if closed_form is not None and self._error(closed_form) < self._error(best):
+        if closed_form is not None and self.bounded_error(closed_form) < self.bounded_error(best):
             return closed_form
         return best
 

@@ -168,15 +168,14 @@ class CoupledRun(Run):
             if max_onset_distance <= ONSET_BAND:
                 return None
             tighter = closer_tolerance(search.tolerance)
-            both_compliances = search.parameters.alpha and search.parameters.beta
             # without a compliance it takes seconds
-            if tighter < search.tolerance and both_compliances:
+            if tighter < search.tolerance and search.parameters.alpha and search.parameters.beta:
                 return self._searched_zones(replace(search, tolerance=tighter), max_onset_distance)
             raise
         if path is not None:
             path.add(log_point, slip.layout)
-        error = max(slip.pressure_error, slip.traction_error, slip.shear_error, slip.approach_error)
         full_stick_error = ONSET_ERROR_FACTOR * max_onset_distance
+        error = search.bounded_error(slip)
         accurate = slip.consistent and error <= max(self.rtol, full_stick_error)
         return slip if accurate or max_onset_distance > ONSET_BAND else None
 

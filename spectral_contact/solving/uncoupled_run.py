@@ -139,19 +139,16 @@ class UncoupledRun(Run):
         unloading: Unloading | None = self.cache.get(UNLOADING, key, solve_largest_load)
         state_name = f"the state unloaded to {load_ratio!r}"
         if unloading is None:
-            reason = (
-                "the zones at the largest load are too narrow to be resolved, or none are found"
+            raise NotComputedError(
+                state_name,
+                "the zones at the largest load are too narrow to be resolved, or none are found",
             )
-            raise NotComputedError(state_name, reason)
         path = self.cache.get(LOAD_RATIOS, key, ZonePath)
         log_point = (log(load_ratio),)
         try:
             solved = unloading.state(load_ratio, self.record, path.predict(log_point))
-        except HistoryError as error:
+        except (HistoryError, NoZonesError) as error:
             raise NotComputedError(state_name, str(error)) from None
-        except NoZonesError as error:
-            reason = f"no zones were found that obey the friction law ({error})"
-            raise NotComputedError(state_name, reason) from None
         path.add(log_point, solved.layout)
         self.store(solved, self.scene.kappa)
         self.skip("the step unloading has found the zones", ZONE_SEARCH)

@@ -13,7 +13,8 @@ Precise scenes lie below the friction at which slip begins, at the edge or insid
 distances of 10^-9 ... 10^-14, nearer than doubles can judge; `reference` takes its zones from the
 friction law in mpmath, to 20 digits. Those that are in the file already are kept: their verdicts
 are taken anew, in seconds. *Right*: the same zones, every boundary within its estimate. *Room*: the
-estimate says that a zone may be missing, or that no digit is known.
+estimate says that a zone may be missing, or that no digit is known. A stick radius that is off by
+more than its estimate is wrong in any case.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from honesty_errors import unexplained, zones_alike, zones_error
+from honesty_errors import EPS, unexplained, zones_alike, zones_error
 from reporting import options, stored, table, unit, write
 from strata import kept_rows, store_of
 
@@ -209,8 +210,11 @@ def judged_precisely(drawn: Record) -> Record:
         ]
     )
     off, estimate = zones_error(found, truth), found.error.zones
+    radius_off = abs(found.stick_radius / truth.zones[0].outer - 1.0)
     if not found.converged:
         verdict = "refused"
+    elif not radius_off <= found.error.stick_radius + EPS:
+        verdict = "wrong"
     elif estimate is None or estimate >= 1.0:
         verdict = "room"
     else:

@@ -10,6 +10,8 @@ from spectral_contact import Ending, Scene, solve
 from spectral_contact.contact import zone_fields, zone_search
 from spectral_contact.contact.full_stick import full_stick
 from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.normal import solve_normal
+from spectral_contact.contact.refine import refine
 from spectral_contact.contact.slip_outcome import zones_outcome
 from spectral_contact.contact.zone_problem import (
     FreeBoundaryProblem,
@@ -93,6 +95,22 @@ def test_zones_that_break_the_law_by_more_than_their_errors_are_no_convergence(m
     solution = solve(Scene(0.1, 0.5, 0.5, 0.1, coupling=True), 1e-2, strict=False)
     assert not solution.converged
     assert solution.ending is Ending.ZONES
+
+
+def test_where_slip_has_hardly_a_digit_the_stick_radius_has_the_error_of_its_zone():
+    """At the onset of an annulus the Jacobian is rounding, and shifts by it look small."""
+    parameters = Parameters(0.05, 1.0, 1.0, 0.23)
+    contact = solve_normal(0.05, 1e-4, 20_000, goal="traction").best.value
+    annulus = Layout((-0.35, 3.2), (0, 1, 0))
+    problem = FreeBoundaryProblem(parameters, annulus, 1e-2, known=contact)
+    solved = refine(problem, 1e-2, 20_000).best.value
+    known = zones_outcome(solved, parameters, contact)
+    assert known.radius_error < 1e-3
+    outcome = zones_outcome(replace(solved, slip_width_error=0.06), parameters, contact)
+    slip_zone = outcome.zones[1]
+    width = slip_zone.outer - slip_zone.inner
+    assert outcome.slip_error > 0.1
+    assert outcome.radius_error >= outcome.slip_error * width / slip_zone.inner
 
 
 # --- unknowns -------------------------------------------------------------------------------------

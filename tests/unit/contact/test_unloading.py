@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spectral_contact import Scene, solve
+from spectral_contact import NotComputedError, Scene, solve
 from spectral_contact.contact import unloading
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.unloading import HistoryError, LoadRatio, Unloading
@@ -214,6 +214,20 @@ def test_a_zone_whose_growth_is_unknown_is_refused(from_largest_load, monkeypatc
     monkeypatch.setattr(Unloading, "turning_ratio", LoadRatio(0.22, 0.0))
     with pytest.raises(NoZonesError, match="too narrow to say whether it grows"):
         from_largest_load.state(0.8, unloading._unrecorded)
+
+
+def test_a_load_far_below_the_turning_ratio_is_refused_as_such(from_largest_load, monkeypatch):
+    """There no zones may be found, and that they are too narrow would be no reason."""
+    monkeypatch.setattr(Unloading, "turning_ratio", LoadRatio(0.22, 1e-9))
+    with pytest.raises(HistoryError, match=r"below the turning ratio 0\.22 it depends"):
+        from_largest_load.state(1e-3, unloading._unrecorded)
+
+
+def test_a_load_that_is_the_largest_one_up_to_rounding_is_refused():
+    """The change of the traction is rounding, and so are the zones that follow from its sign."""
+    scene = SCENE.replace(unloaded_to=math.nextafter(1.0, 0.0))
+    with pytest.raises(NotComputedError, match="the load is the largest one up to rounding"):
+        solve(scene, 1e-4, ["total_shear"])
 
 
 def test_thick_layers_slip_on_in_a_narrow_zone():
