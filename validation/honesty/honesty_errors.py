@@ -159,6 +159,7 @@ def unexplained(solution: Solution, closest: Solution | None = None) -> list[str
     explained = max(solution.rtol, 2.0 * fields, slip if slips else 0.0)
     if (error.violation or 0.0) > explained:
         found.append("violation")
-    if error.slip == math.inf and closest is not None and (closest.error.slip or 0.0) < math.inf:
+    # an error of 1 is that of full stick in place of slip that is too narrow: no digit is known
+    if error.slip == math.inf and closest is not None and (closest.error.slip or 0.0) < 1.0:
         found.append("slip")
     return found
