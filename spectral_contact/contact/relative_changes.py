@@ -58,7 +58,8 @@ def pressure_cancellation(system: ContactSystem, values: Array) -> float:
 
     With elastic coupling p is a sum of terms of the size of u, and where they nearly cancel, as
     they may at an edge that sticks, their rounding is large beside p. Closer to the edge than alpha
-    the terms vary no more. With slip ``u/p`` is the friction at most.
+    the terms hardly vary, so that the last u outside this layer is taken. Where parts of the
+    contact slip, q is at most ``f p`` everywhere, and the friction is returned.
     """
     parameters = system.parameters
     if system.pressure_known:

@@ -115,7 +115,8 @@ def limiting_logit(parameters: Parameters) -> float:
     They are those for ``kappa = 1`` (docs/theory). On a smooth surface the logit grows like
     ``pi f/2`` as f grows, and the radius c is ``4 exp(-2/f)`` as f vanishes. The guess is the sum
     of the first logit and that of the second radius. This radius is divided by ``1 + f``, which is
-    1 as f vanishes, so that it adds nothing to the first logit as f grows. With normal compliance
+    1 as f vanishes, so that it is below 1 under any friction: the guess is below the first logit,
+    as f grows by ``2 ln(f/4)``, which is little beside that logit. With normal compliance
     the pressure is constant closer to the edge than alpha, which limits the logit from above. With
     tangential compliance c is ``2 beta f`` as f vanishes, which limits it from below.
     """

@@ -172,7 +172,7 @@ def _scene(scene: Record) -> str:
     if scene.get("coupling"):
         parts.append("coupled")
     for member in ("profile", "layer"):
-        parts += scene.get(member) or {}
+        parts.extend(scene.get(member) or {})  # a table whose only key is the name of its kind
     if scene.get("unloaded_to", 1.0) != 1.0:
         parts.append(f"unloaded to {scene['unloaded_to']:g}")
     return ", ".join(parts)

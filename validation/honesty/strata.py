@@ -201,7 +201,7 @@ def run(stratum: Stratum, scenes: int, seed: int, workers: int = 1) -> bool:
             print(*new_violations, sep="\n", end="\n" * bool(new_violations), flush=True)
             violations += new_violations
         if done == scenes or monotonic() > written + PAUSE:
-            some_judged = any(note.converged is not None for note in compared_scenes)
+            some_judged = any(outcome.converged is not None for outcome in compared_scenes)
             unmet_text = (
                 f"; {len(unmet)} scenes did not meet their tolerance and said so" * some_judged
             )
