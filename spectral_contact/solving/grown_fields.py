@@ -151,16 +151,19 @@ class GrownFields:
         tolerance: float,
         names: Collection[str],
     ) -> None:
+        # minus natural logarithms of tolerances, as of `tanh_rule`
         digits = -math.log(tolerance)
-        # closer to the edge than `layer` square roots of the distance turn into bounded fields
+        # Fields are like square roots of the distance from the edge, or inverse ones, down to the
+        # distance `layer`, and bounded closer to the edge. This is minus the logarithm of `layer`.
         edge_depth = -math.log(min(max(layer, TINY), 1.0))
         count = max(
             2 + int((2.0 * edge_depth + _EDGE_POWER * digits) / _PANEL_WIDTH), _FEWEST_PANELS
         )
         self._quadrature_error = _QUADRATURE_FRACTION * tolerance
         quadrature_digits = -math.log(self._quadrature_error)
-        # If a field is like ln(z)/sqrt(z) at the distance z from the edge, nodes from
-        # z = exp(-2 half_depth) on leave out -2 sqrt(z) ln(z). Within the layer it is bounded.
+        # Nodes begin at a distance z from the edge. If a field is like ln(z)/sqrt(z) they leave out
+        # -2 sqrt(z) ln(z), which is the tolerated error if z = exp(-2 half_depth). With a layer the
+        # field is bounded next to the edge, and they may begin farther away.
         half_depth = quadrature_digits + math.log(4.0 * quadrature_digits)
         self.growth = growth
         self.radius = radius
@@ -305,7 +308,7 @@ class GrownFields:
                 panels = self.history.panels(boundary, reach, self._panel_count)
                 mesh = GradedMesh(boundary, sign, reach, panels)
                 series = self._series(values, mesh, power)
-                if boundary is CENTRE and power == 0 and self.history.growth.log_beginning:
+                if boundary is CENTRE and power == 0 and self.history.growth.logarithm_at_centre:
                     series = _with_logarithm(series)
                 halves.append(series)
                 scale = _largest_radii(mesh) ** power
@@ -361,11 +364,15 @@ def _with_logarithm(series: LogSeries) -> LogSeries:
 
 
 def _largest_radii(mesh: GradedMesh) -> Array:
-    """Return the largest ``s`` in every panel of a mesh."""
-    distances = np.exp(-_PANEL_WIDTH * np.arange(mesh.panels.count))
-    # panels inside a boundary (sign -1) have the radius of the boundary as the bound of all
-    squares = mesh.boundary.square + mesh.extent * distances * (mesh.sign > 0)
-    return np.asarray(np.sqrt(squares))
+    """Return the largest ``s`` in every panel of a mesh, or a bound on it.
+
+    Panels outside of their boundary (sign +1) have it at their far ends. Panels inside (sign -1)
+    have the radius of the boundary as the bound.
+    """
+    # distances of the far ends of the panels from the boundary, over the extent of the mesh
+    far_ends = np.exp(-_PANEL_WIDTH * np.arange(mesh.panels.count))
+    largest_squares = mesh.boundary.square + mesh.extent * far_ends * (mesh.sign > 0)
+    return np.asarray(np.sqrt(largest_squares))
 
 
 class _History:
@@ -419,13 +426,13 @@ class _History:
             near_singularity = (
                 panel.stretch.distance_below(u_stick) < _NEAR_SINGULARITY * panel.stretch.extent
             )
-            for rows, rule in (
+            for selected, rule in (
                 (near_singularity & (u_stick < panel.high), self.rule),
                 (~near_singularity, self.smooth_rule),
             ):
-                if names and rows.any():
-                    total[:, rows] += _added_while_stuck(
-                        names, panel, log_r[rows], u_stick[rows], rule
+                if names and selected.any():
+                    total[:, selected] += _added_while_stuck(
+                        names, panel, log_r[selected], u_stick[selected], rule
                     )
         return dict(zip(names, total, strict=True))
 
@@ -435,19 +442,22 @@ class _History:
         for panel in self.growth.all_panels:
             begin = np.maximum(log_r, panel.low)
             end = np.minimum(u_stick, panel.high)
-            # the integrand is smooth far from where a point came into contact and began to stick
-            distance = _NEAR_SINGULARITY * panel.stretch.extent
-            near_singularity = (panel.stretch.distance_below(log_r) < distance) | (
+            # The integrand is smooth far from where a point came into contact, by this distance in
+            # v, and far from where it began to stick, by the length of the panel in u.
+            near_distance = _NEAR_SINGULARITY * panel.stretch.extent
+            near_singularity = (panel.stretch.distance_below(log_r) < near_distance) | (
                 u_stick - end < panel.high - panel.low
             )
             slipped = (begin < end) & panel.slips
-            for rows, rule in (
+            for selected, rule in (
                 (slipped & near_singularity, self.rule),
                 (slipped & ~near_singularity, self.smooth_rule),
             ):
-                if names and rows.any():
-                    span = begin[rows], end[rows]
-                    total[:, rows] += _added_while_slipping(names, panel, log_r[rows], span, rule)
+                if names and selected.any():
+                    span = begin[selected], end[selected]
+                    total[:, selected] += _added_while_slipping(
+                        names, panel, log_r[selected], span, rule
+                    )
         return dict(zip(names, total, strict=True))
 
     def when_stuck(self, log_r: Array) -> Array:
@@ -485,7 +495,8 @@ def _added_while_stuck(
     extent = stretch.v_increment(depth, (panel.high - begin)[:, None])
     t = stretch.place(depth + extent * points)
     u_since_begin = stretch.u_increment(depth, extent * points)
-    # ln(c(b)/r); it is exactly 0 where points begin to stick, if they do so on this panel
+    # ln(c(b)/r). Where a point begins to stick on this panel it is exactly 0, and grows from there.
+    # For points that stuck before, its value at the lower end of the panel is added.
     if panel.slips:
         first_stick = panel.log_stick(stretch.place(depth))
         log_ratio = u_since_begin + panel.log_stick(t) - first_stick

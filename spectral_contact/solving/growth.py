@@ -129,12 +129,12 @@ class Growth:
         The logarithm of today's radius is 0 then, so that those of radii next to the edge keep
         their digits.
         """
-        today = self.log_radius
-        radius = math.exp(today)
+        u_today = self.log_radius
+        radius = math.exp(u_today)
         panels = tuple(
             replace(
                 panel,
-                stretch=replace(panel.stretch, low=panel.low - today, high=panel.high - today),
+                stretch=replace(panel.stretch, low=panel.low - u_today, high=panel.high - u_today),
             )
             for panel in self.panels
         )
@@ -197,8 +197,9 @@ class Growth:
     def stick_rate(self) -> float:
         """``dln c*/dln b`` today, without its sign."""
         last = self.panels[-1]
-        sticks = PowerCurve(last.stretch, np.exp(last.stick), 0.0)
-        return abs(last.rate_today(sticks)) if last.slips else 0.0
+        # a curve of c*, of which `stick` is the logarithm
+        stick_curve = PowerCurve(last.stretch, np.exp(last.stick), 0.0)
+        return abs(last.rate_today(stick_curve)) if last.slips else 0.0
 
     @cached_property
     def load_rate(self) -> float:
@@ -247,7 +248,7 @@ class Growth:
         return sum(one.slip_error for one in self.panels)
 
     @cached_property
-    def log_beginning(self) -> bool:
+    def logarithm_at_centre(self) -> bool:
         """Whether the pressure is logarithmic at the centre: under a cone, where ``P ~ b**2``.
 
         Then every decade of ``b`` adds the same to ``int dP/b**2``, the pressure at the centre.
@@ -272,7 +273,7 @@ class Growth:
 
         A logarithm has none, as the fields continue it to the centre.
         """
-        if self.log_beginning:
+        if self.logarithm_at_centre:
             return 0.0
         first = self.all_panels[0]
         fraction = float(first.load(-_TOP)[0]) / self.load
@@ -314,20 +315,20 @@ class Growth:
     def _flat_error(self, *names: str, power: float) -> float:
         """Return the mean error of the flat punches over the history, with weight ``b**power dP``.
 
-        Of each panel the largest error of the quantities `names` counts. None is the error of a
-        quantity that is exact.
+        The error of a panel is the largest one of its flat punches in the quantities `names`. A
+        quantity that is exact has the error None.
         """
 
         def weights(panel: Panel) -> Callable[[Array], Array]:
             stretch = panel.stretch
             return lambda t: panel.dload_dv(t) * np.exp(power * stretch.u_at(t))
 
-        sizes = [one.integral(weights(one)) for one in self.panels]
-        worst = [
+        panel_weights = [one.integral(weights(one)) for one in self.panels]
+        panel_errors = [
             max(getattr(one.error, name) or 0.0 for one in panel.flats for name in names)
             for panel in self.panels
         ]
-        return float(np.dot(sizes, worst)) / math.fsum(sizes)
+        return float(np.dot(panel_weights, panel_errors)) / math.fsum(panel_weights)
 
     @cached_property
     def stick_radii(self) -> list[tuple[float, float]]:
@@ -422,7 +423,7 @@ class Grower:
 
         Parameters
         ----------
-        least : float
+        first_radius : float
             Contact radius at which it begins, with a negligible load.
         radius : float
             Contact radius today.
@@ -434,13 +435,13 @@ class Grower:
         NotComputedError
             If slip does not reach the edge, or if the stick radius falls.
         """
-        today = math.log(radius)
-        todo = self._stretches(math.log(first_radius), today)[::-1]
+        log_radius = math.log(radius)
+        todo = self._stretches(math.log(first_radius), log_radius)[::-1]
         panels = []
         while todo:
-            stretch = self._counted(todo.pop(), today)
+            stretch = self._counted(todo.pop(), log_radius)
             panel = self._panel(stretch)
-            error = panel.error * _contribution(panel, today, load)
+            error = panel.error * _contribution(panel, log_radius, load)
             can_improve = stretch.extent > _LEAST_EXTENT and panel.error > self.load_source.rounding
             if error > _PANEL_FRACTION * self.tolerance and can_improve:
                 todo += stretch.cut(2)[::-1]
@@ -492,14 +493,18 @@ class Grower:
             highs.append(cut)
         return stretch.cut_at(stretch.depth_of(np.array([stretch.low, *highs[:0:-1]])))
 
-    def _counted(self, stretch: RadiusStretch, today: float) -> RadiusStretch:
-        """Return a stretch with as many nodes as the tolerance asks for, by (G.11)."""
-        # Towards the first touch the factor in (G.13) falls like b**(m - 2) if P is like b**m; at
-        # most one power of b is made use of. At a flat part, where `powers` is 0, the load falls
-        # faster than any such power; there the power 1 was chosen, and a panel for which it is too
-        # much is halved.
+    def _counted(self, stretch: RadiusStretch, log_radius: float) -> RadiusStretch:
+        """Return a stretch with as many nodes as the tolerance asks for, by (G.11).
+
+        `log_radius` is that of today's contact radius.
+        """
+        # The error of a panel counts by the factor in (G.13), which falls towards the first touch
+        # like b**(m - 2) if P is like b**m. So earlier panels may have larger errors; no more than
+        # one power of b is made use of. At a flat part, where `powers` is 0, the load falls faster
+        # than any power of b. There the power 1 was chosen, and if it allows a panel too large an
+        # error, the panel is halved.
         power = min(max(self.powers[0] - 2.0, 0.0), 1.0) if self.powers[0] else 1.0
-        allowed = _PANEL_FRACTION * self.tolerance * math.exp(power * (today - stretch.high))
+        allowed = _PANEL_FRACTION * self.tolerance * math.exp(power * (log_radius - stretch.high))
         depth_of_pole = stretch.depth_of(np.array([self.log_pole]))[0]
         to_pole = 2.0 * (float(depth_of_pole) / stretch.extent - 1.0)
         gamma = min(math.asinh(2.0 * math.pi / stretch.extent), math.acosh(1.0 + to_pole))

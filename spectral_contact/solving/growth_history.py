@@ -75,32 +75,35 @@ def history_of(growth: Growth, normal_error: float | None) -> ContactHistory:
     Parameters
     ----------
     growth : Growth
-    known : float or None
+    normal_error : float or None
         Estimate of the relative errors of load and approach of normal contact, at all radii; None
         with coupling, where load and approach come from the history.
     """
+    # stretches of panels are cut in v, and what results is cut in u
     pieces = [
         _HistoryPiece(panel, interval)
         for panel in growth.panels
-        for part in panel.stretch.cut(math.ceil(panel.stretch.extent / _LARGEST_EXTENT_IN_V))
-        for interval in _intervals_in_u(part)
+        for stretch in panel.stretch.cut(math.ceil(panel.stretch.extent / _LARGEST_EXTENT_IN_V))
+        for interval in _intervals_in_u(stretch)
     ]
     nodes = [(piece.panel, piece.places(piece.interval.u_nodes)) for piece in pieces]
     # ln P, ln delta, Q/P and ln(c/b) at the nodes of every piece
-    rows = {
+    at_nodes = {
         "loads": [panel.loads.at(t) for panel, t in nodes],
         "approaches": [panel.approaches.at(t) for panel, t in nodes],
         "shears": _shears(growth, pieces),
         "sticks": [panel.log_stick(t) for panel, t in nodes],
     }
     ends = np.array([*(piece.interval.low for piece in pieces), growth.log_radius])
-    series = {name: np.array(list(map(chebyshev_series, row))) for name, row in rows.items()}
-    return ContactHistory(ends, **series, errors=_errors(pieces, rows, normal_error))
+    series = {
+        name: np.array(list(map(chebyshev_series, arrays))) for name, arrays in at_nodes.items()
+    }
+    return ContactHistory(ends, **series, errors=_errors(pieces, at_nodes, normal_error))
 
 
-def _intervals_in_u(part: RadiusStretch) -> list[RadiusStretch]:
-    """Return intervals into which a part is cut, of equal and not too large lengths in ``u``."""
-    interval = RadiusStretch(part.low, part.high, count=_COUNT)
+def _intervals_in_u(stretch: RadiusStretch) -> list[RadiusStretch]:
+    """Return intervals into which a stretch is cut, of equal and not too large lengths in ``u``."""
+    interval = RadiusStretch(stretch.low, stretch.high, count=_COUNT)
     intervals = interval.cut(math.ceil(interval.extent / _LARGEST_EXTENT_IN_U))
     return [RadiusStretch(piece.low, piece.high, count=_COUNT) for piece in intervals]
 
@@ -126,39 +129,48 @@ def _shears(growth: Growth, pieces: list[_HistoryPiece]) -> list[Array]:
 
 
 def _errors(
-    pieces: list[_HistoryPiece], rows: dict[str, list[Array]], normal_error: float | None
+    pieces: list[_HistoryPiece], at_nodes: dict[str, list[Array]], normal_error: float | None
 ) -> Array:
     """Return estimates of relative errors on the pieces, in the order of `ContactHistory`."""
     panels = [piece.panel for piece in pieces]
-    series = _series_errors(pieces, rows)
+    series_errors = _series_errors(pieces, at_nodes)
     # errors of the flat punches of the panel of every piece, and the largest up to this piece
     flats = {name: np.array([_worst(panel, name) for panel in panels]) for name in _FLAT_QUANTITIES}
     largest_so_far = {name: np.maximum.accumulate(values) for name, values in flats.items()}
     # where all flat punches are alike, Q/P up to the first piece is exact and has no error
-    shear = series["shears"] + _errors_of_earlier_pieces(
-        pieces, rows["loads"], 0.0 if panels[0].punches_alike else 1.0
+    shear_error = series_errors["shears"] + _errors_of_earlier_pieces(
+        pieces, at_nodes["loads"], 0.0 if panels[0].punches_alike else 1.0
     )
-    shear += _FLAT_ERROR_FACTOR * (largest_so_far["total_shear"] + largest_so_far["approach"])
+    shear_error += _FLAT_ERROR_FACTOR * (largest_so_far["total_shear"] + largest_so_far["approach"])
     # the error that load and approach have in common
     if normal_error is None:
-        common = _errors_of_earlier_pieces(pieces, rows["approaches"], 1.0)
-        common += _FLAT_ERROR_FACTOR * (largest_so_far["pressure"] + largest_so_far["approach"])
+        common_error = _errors_of_earlier_pieces(pieces, at_nodes["approaches"], 1.0)
+        common_error += _FLAT_ERROR_FACTOR * (
+            largest_so_far["pressure"] + largest_so_far["approach"]
+        )
     else:
         normal_error += max(panel.node_loads.node_error for panel in panels)
-        common = np.full(len(panels), normal_error)
-    load = common + series["loads"]
-    approach = common + series["approaches"]
-    return np.stack(
-        [load, approach, shear + load, series["sticks"] + flats["stick_radius"]], axis=1
+        common_error = np.full(len(panels), normal_error)
+    load_error = common_error + series_errors["loads"]
+    approach_error = common_error + series_errors["approaches"]
+    return np.column_stack(
+        [
+            load_error,
+            approach_error,
+            shear_error + load_error,
+            series_errors["sticks"] + flats["stick_radius"],
+        ]
     )
 
 
-def _series_errors(pieces: list[_HistoryPiece], rows: dict[str, list[Array]]) -> dict[str, Array]:
+def _series_errors(
+    pieces: list[_HistoryPiece], at_nodes: dict[str, list[Array]]
+) -> dict[str, Array]:
     """Return the relative errors of the series of the pieces and of their panels, by name."""
     panels = [piece.panel for piece in pieces]
     errors = {
-        name: np.array([interpolation_error(values) for values in row])
-        for name, row in rows.items()
+        name: np.array([interpolation_error(values) for values in arrays])
+        for name, arrays in at_nodes.items()
     }
     errors["loads"] += [panel.loads.interpolation_error for panel in panels]
     errors["approaches"] += [panel.approaches.interpolation_error for panel in panels]
@@ -166,7 +178,7 @@ def _series_errors(pieces: list[_HistoryPiece], rows: dict[str, list[Array]]) ->
         interpolation_error(panel.stick) if panel.slips else 0.0 for panel in panels
     ]
     errors["shears"] += [panel.shear_error * float(np.abs(panel.shears).max()) for panel in panels]
-    errors["shears"] /= np.array([max(np.abs(values).min(), TINY) for values in rows["shears"]])
+    errors["shears"] /= np.array([max(np.abs(values).min(), TINY) for values in at_nodes["shears"]])
     # the last terms of one piece may be small by chance, so those of its neighbours count, too
     padded = {name: np.pad(values, 1, mode="edge") for name, values in errors.items()}
     return {
@@ -178,10 +190,10 @@ def _series_errors(pieces: list[_HistoryPiece], rows: dict[str, list[Array]]) ->
 def _errors_of_earlier_pieces(
     pieces: list[_HistoryPiece], logs: list[Array], first_error: float
 ) -> Array:
-    """Return the error at the beginning of every piece, the sum of those of earlier pieces.
+    """Return the relative error of the load or approach at the lower end of every piece.
 
-    It is that of the load or approach, which are integrals over the history, relative to the value
-    at the lower end of the piece.
+    Load and approach are integrals over the history: their error there is the sum of those that the
+    earlier pieces make.
 
     Parameters
     ----------

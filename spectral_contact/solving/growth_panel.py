@@ -228,8 +228,8 @@ class Panel:
     def fields_in_slip(self, names: Sequence[str], t: Array, log_ratio: Array) -> Array:
         """Return fields of flat punches in their slip zones.
 
-        The parameters are those of `fields_in_stick`, except that the ratio is ``ln(1/s)``, and the
-        names are of "pressure" and "slip".
+        The parameters are those of `fields_in_stick`, except that `log_ratio` is ``ln(1/s)``, and
+        that `names` are of "pressure" and "slip".
         """
         y = -np.expm1(-2.0 * log_ratio)  # 1 - s**2
         width = -np.expm1(2.0 * self.log_stick(t))
@@ -264,7 +264,8 @@ class Panel:
         def values(flat: Solution, x: Array) -> Array:
             return _in_slip_zone(flat, name, np.exp(x))
 
-        # panels have the length 2 in x: half of _TABLE_PANELS below 0, all of them above
+        # Panels have the length 2 in x. Below x = 0, towards the stick radius, are half of
+        # _TABLE_PANELS, so that they begin at minus this number; above, towards the edge, are all.
         return self._table(name, values, -_TABLE_PANELS, _TABLE_PANELS + _TABLE_PANELS // 2)
 
     def _table(

@@ -49,9 +49,9 @@ _ROUGH_TOLERANCE = 1e-4
 #: A history is followed to a radius that is larger by this relative amount, so that the given load
 #: or approach is certainly reached.
 _RADIUS_MARGIN = 1e-3
-#: Where the slope of the law of a layer jumps, the series of the pressure that drives the traction
-#: has an error that oscillates. The relative error of the traction by it may be this many times as
-#: large.
+#: The pressure that drives the traction is a series, whose error oscillates where the slope of the
+#: law of a layer jumps. The relative error that it makes in the traction may be so many times that
+#: of the series.
 _KINK_TRACTION_FACTOR = 10.0
 _NOT_REACHED = (
     "the given load or approach is not reached up to the contact radius without coupling, "
@@ -98,7 +98,7 @@ class ProfileRun(Run):
             self._indent(pointwise=bool(fields) or full_stick_runs, drives=full_stick_runs)
         self.tangential(states, None)
         if states.get(FULL_STICK) is StepState.RUN:
-            self._run_full_stick_on_layer()
+            self._run_full_stick_under_flat()
         if self._has_growth_step(states):
             from spectral_contact.solving.stages import NoFlatPunchError
 
@@ -218,11 +218,11 @@ class ProfileRun(Run):
         assert scene.profile is not None
         data_error = scene.profile._relative_error(found.radius)
         if scene.layer is not None:
-            area = math.pi * found.radius**2
-            law = scene.layer._errors(found.overclosure)
-            data_error += law.pressure * area / found.load
-            self.errors["stiffness"] += law.stiffness
-            self.errors["indentation_work"] += law.energy * area / found.work
+            contact_area = math.pi * found.radius**2
+            law_errors = scene.layer._errors(found.overclosure)
+            data_error += law_errors.pressure * contact_area / found.load
+            self.errors["stiffness"] += law_errors.stiffness
+            self.errors["indentation_work"] += law_errors.energy * contact_area / found.work
         for name in (
             "contact_radius",
             "load",
@@ -265,8 +265,9 @@ class ProfileRun(Run):
             indentation_work_scale=found.work + math.pi * adhesion * found.radius**2,
         )
         if "stiffness_on_branch" in self.plan.quantities:
-            curve = curve_of(self.scene, self.rtol, self.max_unknowns)
-            stability_of_branch = stability(curve, found, error)
+            # the states with adhesion, by their contact radius
+            adhesive_curve = curve_of(self.scene, self.rtol, self.max_unknowns)
+            stability_of_branch = stability(adhesive_curve, found, error)
             self.values["stable_under"] = stability_of_branch.stable_under
             if stability_of_branch.stiffness is None:
                 self.unavailable["stiffness_on_branch"] = stability_of_branch.reason
@@ -277,16 +278,19 @@ class ProfileRun(Run):
                 self.errors["stiffness_on_branch"] = stability_of_branch.error
         return with_surface_energy(found, adhesion)
 
-    def _run_full_stick_on_layer(self) -> None:
-        """Solve full stick under a flat punch, in units of its radius."""
+    def _run_full_stick_under_flat(self) -> None:
+        """Solve full stick under a flat punch that is given as a profile, and store it.
+
+        The solution is in units of the radius of the punch.
+        """
         begin = perf_counter()
         scene = self.scene
         assert self._driving is not None
         radius = self.values["contact_radius"]
         kappa = scene.kappa
-        compliances = self._driving.compliance, scene.tangential_compliance / radius
+        scaled_compliances = self._driving.compliance, scene.tangential_compliance / radius
         solved = self.solve_full_stick(
-            Parameters(*compliances, 1.0, math.inf),
+            Parameters(*scaled_compliances, 1.0, math.inf),
             self._driving,
             pointwise="traction" in self.plan.quantities,
             ratios=False,
@@ -362,9 +366,9 @@ class ProfileRun(Run):
 
             setting = setting_at_radius(scene.profile, scene.layer, radius)
             return solve_layered(setting, tolerance, self.max_unknowns, pointwise=pointwise)
-        given = scene.profile, radius, scene.normal_compliance, tolerance, self.max_unknowns
+        arguments = scene.profile, radius, scene.normal_compliance, tolerance, self.max_unknowns
         adhesion = scene.work_of_adhesion or 0.0
-        return solve_indentation(*given, pointwise=pointwise, adhesion=adhesion)
+        return solve_indentation(*arguments, pointwise=pointwise, adhesion=adhesion)
 
     def _check_overclosure(self, found: Indentation) -> None:
         """Raise if the overclosure exceeds the limit of the layer's law."""
@@ -389,7 +393,7 @@ class ProfileRun(Run):
         begin = perf_counter()
         scene = self.scene
         radius = self.values["contact_radius"]
-        # the first radius of the history: what the contact does before is negligible
+        # the first radius of the history; load and traction up to there are negligible
         first_radius = stages.first_radius(radius, self.values["load"])
         growth = stages.grower(first_radius, radius).grown(
             first_radius, radius, self.values["load"]
@@ -419,11 +423,11 @@ class ProfileRun(Run):
         first_radius = stages.first_radius(radius, load)
         grower = stages.grower(first_radius, radius)
         growth = grower.grown(first_radius, radius, load)
-        given = "loads" if scene.approach is None else "approaches"
+        given_curve = "loads" if scene.approach is None else "approaches"
         value = scene.load if scene.approach is None else scene.approach
         radius_error = 0.0
         if value is not None:
-            log_radius = growth.radius_of(given, value)
+            log_radius = growth.radius_of(given_curve, value)
             if log_radius is None:
                 raise NotComputedError("contact_radius", _NOT_REACHED)
             growth = grower.until(growth, log_radius)
@@ -432,7 +436,7 @@ class ProfileRun(Run):
         profile_error = scene.profile._relative_error(radius)
         error = growth.load_error + profile_error
         if value is not None:
-            radius_error = growth.radius_error(given, value) + profile_error
+            radius_error = growth.radius_error(given_curve, value) + profile_error
         self.values.update(
             contact_radius=radius,
             load=scene.load or growth.load,

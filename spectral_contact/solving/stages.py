@@ -70,8 +70,8 @@ _TOUCH_FRACTION = 1e-4
 #: Rounding of the radii of a history, relative.
 _RADIUS_ROUNDING = 1e-15
 #: With coupling the pressure of a flat punch may change sign at some distance from its edge. The
-#: contact radius has to be so many times this distance below the radius at which a profile is
-#: vertical. Loads had no digits at 75 times the distance, and all digits at 220 times.
+#: contact radius has to be at least so many times this distance away from the radius at which the
+#: profile is vertical. Loads had no digits at 75 times the distance, and all digits at 220 times.
 _POLE_DISTANCE = 200.0
 #: Tolerance of the critical friction.
 _CRITICAL_RTOL = 1e-10
@@ -124,6 +124,7 @@ class Stages:
         self._tell = tell
         self._fields = fields
         self._flat_rtol = max(_FLAT_RTOL_FACTOR * rtol, _LEAST_FLAT_RTOL)
+        # a flat punch has no profile, no given load, approach or radius, and no physical data
         absent: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
         self._flat_scene = replace(scene, **absent)
         self._cache = StepCache()
@@ -136,8 +137,8 @@ class Stages:
 
     def contact(self, radius: float) -> Indentation:
         """Return normal contact, without friction, of a contact radius."""
-        solve = indenter(self.profile, self.scene.normal_compliance, self.max_unknowns)
-        return value_of(solve(radius, self._flat_rtol, False))
+        indent = indenter(self.profile, self.scene.normal_compliance, self.max_unknowns)
+        return value_of(indent(radius, self._flat_rtol, False))
 
     def _scene(self, radius: float) -> Scene:
         """Return the scene of the flat punch of a radius, in units of the radius."""
@@ -287,24 +288,28 @@ class Stages:
             return self.profile.flat_part * (1.0 + _BEYOND_FLAT_PART)
         log_negligible = math.log(_FIRST_PRESSURE_FRACTION * self.rtol)
         # logarithm of the mean pressure over today's
-        log_ratio = 0.0
-        step = -math.log(2.0)
+        log_pressure_ratio = 0.0
+        # of the search, in u; negative, as it goes to smaller radii
+        u_step = -math.log(2.0)
         u = math.log(radius)
         compliance = max(self.scene.normal_compliance, self.scene.tangential_compliance)
         # flat punches of smaller radii have compliances that no scene may have
         lowest = math.log(2.0 * compliance / LARGEST_COMPLIANCE) if compliance else -math.inf
-        while log_ratio > log_negligible and u > lowest:
-            u = max(u + step, lowest)
+        while log_pressure_ratio > log_negligible and u > lowest:
+            u = max(u + u_step, lowest)
             b = math.exp(u)
-            previous_log_ratio = log_ratio
-            log_ratio = math.log(self.contact(b).load / load * (radius / b) ** 2)
-            # the ratio falls more slowly than b: it would be negligible at far too small radii only
-            if log_ratio + math.log(radius / b) > 0.0 and b < 1e-9 * radius:
+            previous_log_pressure_ratio = log_pressure_ratio
+            log_pressure_ratio = math.log(self.contact(b).load / load * (radius / b) ** 2)
+            # The pressure falls more slowly than b: it would be negligible only at radii that are
+            # far too small.
+            if log_pressure_ratio + math.log(radius / b) > 0.0 and b < 1e-9 * radius:
                 break
             # the next step is the secant's, as the ratio is like a power of the radius
-            if log_ratio < previous_log_ratio:
-                ratio = (log_ratio - log_negligible) / (previous_log_ratio - log_ratio)
-                step *= min(max(ratio, _LEAST_STEP_RATIO), _LARGEST_STEP_RATIO)
+            if log_pressure_ratio < previous_log_pressure_ratio:
+                step_ratio = (log_pressure_ratio - log_negligible) / (
+                    previous_log_pressure_ratio - log_pressure_ratio
+                )
+                u_step *= min(max(step_ratio, _LEAST_STEP_RATIO), _LARGEST_STEP_RATIO)
         return math.exp(u)
 
     def _onset(self, first_radius: float, radius: float) -> float | None:

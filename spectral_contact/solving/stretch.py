@@ -120,16 +120,16 @@ class RadiusStretch:
         """Return the derivative ``dv/du`` at places."""
         return self.dv_du_at_depth(self.depth(t))
 
-    def u_increment(self, depth: Array, step: Array) -> Array:
-        """Return the increment of ``u`` if ``v`` grows by `step` from a depth on.
+    def u_increment(self, depth: Array, v_step: Array) -> Array:
+        """Return the increment of ``u`` if ``v`` grows by `v_step` from a depth on.
 
         Its relative error is a rounding error for short steps, too.
         """
-        return np.asarray(np.log1p(np.expm1(step) / self.dv_du_at_depth(depth)))
+        return np.asarray(np.log1p(np.expm1(v_step) / self.dv_du_at_depth(depth)))
 
-    def v_increment(self, depth: Array, step: Array) -> Array:
-        """Return the increment of ``v`` if ``u`` grows by `step` from a depth on."""
-        return np.asarray(np.log1p(np.expm1(step) * self.dv_du_at_depth(depth)))
+    def v_increment(self, depth: Array, u_step: Array) -> Array:
+        """Return the increment of ``v`` if ``u`` grows by `u_step` from a depth on."""
+        return np.asarray(np.log1p(np.expm1(u_step) * self.dv_du_at_depth(depth)))
 
     def cut(self, pieces: int) -> list[RadiusStretch]:
         """Return pieces of equal length in ``v``, with the same ``b_0`` and no points yet."""

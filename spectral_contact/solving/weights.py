@@ -133,7 +133,7 @@ class SmoothLoads:
     Parameters
     ----------
     profile : Profile
-    first : float
+    first_load : float
         The load at the radius at which the history begins.
 
     Attributes
@@ -144,21 +144,21 @@ class SmoothLoads:
 
     rounding = 0.0
 
-    def __init__(self, profile: Profile, first: float) -> None:
+    def __init__(self, profile: Profile, first_load: float) -> None:
         self.profile = profile
         self._rule = graded_rule(_SMOOTH_POINTS, 1, 0.0)
         #: loads at the beginning of the history and at the upper ends of the panels kept
-        self._loads = [first]
+        self._loads = [first_load]
         #: load at the upper end of the panel that was computed last
-        self._new_load = first
+        self._new_load = first_load
 
     def loads_on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> PanelLoads:
         """Return loads and approaches of the panel that follows the last one kept."""
         points, weights = self._rule
         ends = np.append(stretch.u_nodes, stretch.high)
         depths = stretch.depth_of(ends)[:, None] * points
-        integrand = self._product(stretch.u_at_depth(depths)) / stretch.dv_du_at_depth(depths)
-        boundary = self._product(ends) - self._product(np.array(stretch.low))
+        integrand = self._load_of_punch(stretch.u_at_depth(depths)) / stretch.dv_du_at_depth(depths)
+        boundary = self._load_of_punch(ends) - self._load_of_punch(np.array(stretch.low))
         loads = self._loads[-1] + boundary - stretch.depth_of(ends) * (integrand @ weights)
         self._new_load = float(loads[-1])
         approaches = self.profile._transform(np.exp(stretch.u_nodes)) / 2.0
@@ -172,8 +172,8 @@ class SmoothLoads:
         """Keep only the first `count` panels of the history."""
         del self._loads[count + 1 :]
 
-    def _product(self, u: Array) -> Array:
-        """Return ``8 b delta`` at ``u = ln b``."""
+    def _load_of_punch(self, u: Array) -> Array:
+        """Return ``8 b delta`` at ``u = ln b``: the load of one flat punch with this approach."""
         return np.asarray(4.0 * np.exp(u) * self.profile._transform(np.exp(u)))
 
 
@@ -251,7 +251,7 @@ class VolterraLoads:
     low : float
         Logarithm of the radius at which the history begins. For flat punches of smaller radii
         ``omega`` is taken to be the same function of ``r/b``, and ``D`` to be constant.
-    first : Solution
+    first_flat : Solution
         The flat punch of that radius.
 
     Attributes
@@ -262,7 +262,7 @@ class VolterraLoads:
 
     rounding = _VOLTERRA_ROUNDING
 
-    def __init__(self, profile: Profile, low: float, first: Solution) -> None:
+    def __init__(self, profile: Profile, low: float, first_flat: Solution) -> None:
         self.profile = profile
         roots, weights = graded_rule(*_GRADED_ARGUMENTS)
         half_points = roots**2 / 2.0
@@ -275,23 +275,24 @@ class VolterraLoads:
             np.append(half_points, 1.0 - half_points),
             np.append(half_weights, half_weights),
         )
-        self._breaks = np.log(profile.breaks)
+        self._log_breaks = np.log(profile.breaks)
         self._flat_part = profile.flat_part > 0.0
         #: the latest flat punch, and its `outside_displacement`
-        self._latest = first, outside_displacement(first)
+        self._latest = first_flat, outside_displacement(first_flat)
         self._low = low
         self._first_outside = [self._latest[1]]
         #: quadrature over radii below `low`: distances from it in u, and d delta times the weights
         self._below_low, self._first_increments = self._first_quadrature()
-        # So far these are dH times the weights. The factor D follows from the equation at `low`.
+        # The method returns dH times the weights. D, the factor that makes it d delta, follows from
+        # the equation at `low`.
         at_low = np.array([low])
         self._first_increments *= self._height(at_low) / self._integral_below_low(at_low)
         approach = float(self._first_increments.sum())
         # b/exp(low), and b delta*/exp(low). The part of delta* by the half-spaces is that at `low`;
         # the part by the layer is in proportion to 1/b.
         radii = np.exp(-self._below_low)
-        layer = first.scene.normal_compliance / math.pi
-        scaled_approaches = (first.approach - layer) * radii + layer
+        layer = first_flat.scene.normal_compliance / math.pi
+        scaled_approaches = (first_flat.approach - layer) * radii + layer
         load = math.exp(low) * float((radii**2 / scaled_approaches * self._first_increments).sum())
         self._panels: list[_VolterraPanel] = []
         #: load and approach at `low` and at the upper ends of the panels kept
@@ -308,7 +309,7 @@ class VolterraLoads:
         NotComputedError
             If load or approach would not grow with the contact radius.
         """
-        at_break = bool(np.abs(self._breaks - stretch.low).min(initial=1.0) < _BREAK_ROUNDING)
+        at_break = bool(np.abs(self._log_breaks - stretch.low).min(initial=1.0) < _BREAK_ROUNDING)
         rough_start = at_break or not self._panels
         outside = [self._outside(flat) for flat in flats]
         panel = _VolterraPanel(stretch, np.zeros(stretch.count), outside, rough_start)
@@ -320,8 +321,8 @@ class VolterraLoads:
         quadrature_depth = depth * (1.0 - points)
         distance = -stretch.u_increment(depth, -depth * points)
         factors = panel.factors(quadrature_depth)
-        rate = self._transform_rate(log_radii - distance)
-        integrand = weights * panel.kernel(factors, distance) * rate
+        transform_rate = self._transform_rate(log_radii - distance)
+        integrand = weights * panel.kernel(factors, distance) * transform_rate
         integrand /= stretch.dv_du_at_depth(quadrature_depth)
         matrix = depth * np.einsum("rn,rnk->rk", integrand, factors)
         radii = log_radii[:, 0]
@@ -351,23 +352,27 @@ class VolterraLoads:
         u = stretch.u_at_depth(depth)
         factors = panel.factors(depth)
         # d delta/dv
-        rate = (factors @ panel.ratios) * self._transform_rate(u) / stretch.dv_du_at_depth(depth)
+        approach_rate = (
+            (factors @ panel.ratios) * self._transform_rate(u) / stretch.dv_du_at_depth(depth)
+        )
         # b delta* is interpolated, as delta* has a pole at b = 0
         scaled_approaches = np.exp(stretch.u_nodes) * np.array([flat.approach for flat in flats])
         # dP/d delta = b/delta*
         stiffness = np.exp(2.0 * u) / (factors @ scaled_approaches)
         scaled_weights = extents * weights
         load, approach = self._ends[-1]
-        approaches = approach + (rate.reshape(len(extents), -1) * scaled_weights).sum(axis=1)
-        load_rate = (rate * stiffness).reshape(len(extents), -1)
+        approaches = approach + (approach_rate.reshape(len(extents), -1) * scaled_weights).sum(
+            axis=1
+        )
+        load_rate = (approach_rate * stiffness).reshape(len(extents), -1)
         loads = load + (load_rate * scaled_weights).sum(axis=1)
         self._new_end = float(loads[-1]), float(approaches[-1])
         increments = np.diff(loads, prepend=load), np.diff(approaches, prepend=approach)
         if not np.min(increments) > 0.0:
             message = f"at the contact radius {math.exp(stretch.high):.6g} the load would not grow"
             raise NotComputedError("load", message)
-        # Next to the edge a panel may add a larger fraction to the fields than to load and
-        # approach: about the square root of the latter.
+        # A panel may add a larger fraction to the fields next to the edge than to load and
+        # approach: about the square root of the fraction that it adds to these.
         fraction_added = 1.0 - min(load / self._new_end[0], approach / self._new_end[1])
         error = interpolation_error(panel.ratios) / float(np.abs(panel.ratios).max())
         error *= math.sqrt(max(fraction_added, 0.0))
@@ -395,11 +400,11 @@ class VolterraLoads:
         far = (above_end > _SMOOTH_DISTANCE) & (not panel.rough_start)
         integrals = np.empty(len(above_end))
         for is_far in (False, True):
-            rows = far == is_far
-            if rows.any():
+            selected = far == is_far
+            if selected.any():
                 below_end, factors, increments = self._quadrature_of(panel, is_far)
-                distance = above_end[rows, None] + below_end
-                integrals[rows] = panel.kernel(factors, distance) @ increments
+                distance = above_end[selected, None] + below_end
+                integrals[selected] = panel.kernel(factors, distance) @ increments
         return integrals
 
     def _quadrature_of(self, panel: _VolterraPanel, far: bool) -> _PanelQuadrature:
@@ -429,9 +434,10 @@ class VolterraLoads:
         """
         if self._flat_part:
             points, weights = self._two_sided
-            extent = self._low - self._breaks[0]
-            below_low = extent * points
-            scaled_weights = extent * weights
+            # in u; from the end of the flat part, the first break, to `low`
+            length = self._low - self._log_breaks[0]
+            below_low = length * points
+            scaled_weights = length * weights
         else:
             points, weights = self._graded
             below_low = -np.log1p(-points)
@@ -443,9 +449,9 @@ class VolterraLoads:
         u = log_radii.ravel()
         b = np.exp(u)
         squares_beyond_break = np.zeros(len(u))  # b**2 less the square of the last break below b
-        if len(self._breaks):
-            last = np.searchsorted(self._breaks, u, side="right") - 1
-            log_break = self._breaks[np.maximum(last, 0)]
+        if len(self._log_breaks):
+            last = np.searchsorted(self._log_breaks, u, side="right") - 1
+            log_break = self._log_breaks[np.maximum(last, 0)]
             squares = np.exp(2.0 * log_break) * np.expm1(2.0 * (u - log_break))
             squares_beyond_break = np.where(last >= 0, squares, 0.0)
         return np.asarray(b * self.profile._rate(b, squares_beyond_break)).reshape(log_radii.shape)
