@@ -81,8 +81,16 @@ class MeshPart(NamedTuple):
 
     @property
     def shear_degrees(self) -> Degrees:
-        """Highest degree of the expansion of u on every panel: in slip that of p."""
-        return self.degrees if self.sticks else self.pressure_degrees
+        """Highest degree of the expansion of u on every panel.
+
+        In slip u is ``f p/s``, and has more degrees than p: where p hardly varies, s does. Toward
+        the boundary s varies less and less, so that from panel to panel there are 3 fewer of them.
+        """
+        if self.sticks:
+            return self.degrees
+        highest = self.mesh.panels.degree
+        added = [max(EXTRA - 3 * j, 0) for j in range(len(self.degrees))]
+        return tuple(min(n + m, highest) for n, m in zip(self.pressure_degrees, added, strict=True))
 
 
 class KnownDisplacement(NamedTuple):
@@ -246,6 +254,8 @@ class ContactFields:
         for k, (end, (panels, degrees)) in enumerate(zip(ends, spaces, strict=True)):
             zone = (k + 1) // 2
             state = self.states[zone]
+            if state != 0 and not self.pressure_known:  # for `MeshPart.shear_degrees`
+                panels = replace(panels, degree=panels.degree + EXTRA)
             boundary_number = k // 2 if k < 2 * boundaries else -1
             power = panels.power
             if state == 0:
@@ -497,8 +507,8 @@ def _over_radius(part: MeshPart, factor: float) -> Blockwise:
     values = legendre_values(gauss_rule(points)[0], panels.degree)
     ratios = factor / np.sqrt(mesh.points(np.exp(-panels.sampling(points))).z)
     blocks = [
-        expansion[: n + 1] @ (values[:, : n + 1] * ratio[:, None])
-        for ratio, n in zip(ratios, part.pressure_degrees, strict=True)
+        expansion[: m + 1] @ (values[:, : n + 1] * ratio[:, None])
+        for ratio, m, n in zip(ratios, part.shear_degrees, part.pressure_degrees, strict=True)
     ]
     # on the tail s is constant to rounding
     at_tail = float(np.sqrt(mesh.points(np.array([panels.end / 2.0])).z[0]))

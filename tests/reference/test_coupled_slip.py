@@ -365,3 +365,17 @@ def test_smooth_surfaces_under_much_friction_keep_their_digits_to_the_edge(rtol)
         24.0 * math.log(10.0) * (0.5 - theta), abs=2.0 * solution.error.pressure + 1e-13
     )
     assert abs(solution.stick_radius - 0.95819544999718) < 1e-13 + solution.error.stick_radius
+
+
+@pytest.mark.parametrize(("alpha", "beta"), [(30.0, 30.0), (1e3, 0.0)])
+def test_under_thick_layers_the_traction_in_slip_is_resolved_where_the_pressure_is_constant(
+    alpha, beta
+):
+    scene = Scene(0.2, alpha, beta, 0.0125, coupling=True)
+    names = ["total_shear", "slip"]
+    found = solve(scene, 1e-2 if beta else 6.8e-5, names)
+    truth = solve(scene, 1e-12, names)
+    s = np.linspace(0.01, 0.99, 50)
+    slip = truth.slip(s)
+    assert np.abs(found.slip(s) - slip).max() <= found.error.slip * np.abs(slip).max()
+    assert abs(found.total_shear / truth.total_shear - 1.0) <= found.error.total_shear
