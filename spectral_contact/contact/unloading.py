@@ -404,7 +404,12 @@ class Unloading:
         growth = search.growth(search.solved)
         if growth.least >= -growth.error:
             return outcome
-        self._refuse_history(load_ratio)
+        try:
+            self._refuse_history(load_ratio)
+        except NoZonesError:
+            raise HistoryError(
+                "below the turning ratio, which was not found, it depends on the loads in between"
+            ) from None
         raise NoZonesError(
             "forward slip is too narrow to say whether it grows; a tighter rtol may do"
         )
