@@ -54,12 +54,13 @@ def relative_changes(system: ContactSystem, values: Array, change: Array) -> lis
 
 
 def pressure_cancellation(system: ContactSystem, values: Array) -> float:
-    """Return the largest ``u/p`` with ``u = q/s``, by which the rounding of p exceeds one rounding.
+    """Return the rounding of p by cancellation, in units of one rounding of p.
 
-    With elastic coupling p is a sum of terms of the size of u, and where they nearly cancel, as
-    they may at an edge that sticks, their rounding is large beside p. Closer to the edge than alpha
-    the terms hardly vary, so that the last u outside this layer is taken. Where parts of the
-    contact slip, q is at most ``f p`` everywhere, and the friction is returned.
+    With elastic coupling p is a sum of terms of the size of ``u = q/s``. At an edge that sticks
+    they may nearly cancel, and their rounding is then large beside p. In full stick the largest
+    ``u/p`` is returned, with u no closer to the edge than alpha, as the normal compliance smooths
+    the terms over that distance. Where parts of the contact slip, q is at most ``f p`` everywhere,
+    and f is returned; under a known pressure 0.
     """
     parameters = system.parameters
     if system.pressure_known:

@@ -254,7 +254,8 @@ class ContactFields:
         for k, (end, (panels, degrees)) in enumerate(zip(ends, spaces, strict=True)):
             zone = (k + 1) // 2
             state = self.states[zone]
-            if state != 0 and not self.pressure_known:  # for `MeshPart.shear_degrees`
+            if state != 0 and not self.pressure_known:
+                # room for the degrees that u = f p/s has and p has not (`MeshPart.shear_degrees`)
                 panels = replace(panels, degree=panels.degree + EXTRA)
             boundary_number = k // 2 if k < 2 * boundaries else -1
             power = panels.power
